@@ -68,6 +68,8 @@ class Session:
         self._named_at = inf
         """When to look up the lasting name of the open port."""
         self._closing = threading.Event()
+        self._stopped = False
+        """Whether the driver's last commands were made and written without an error."""
         self._reported: str | None = None
         """What was last reported about the port; None while it is open."""
         self._thread = threading.Thread(target=self._run, name='create_session')
@@ -127,19 +129,18 @@ class Session:
 
     def close(self) -> None:
         """Stop the robot, leave it in the mode for exit, and close the port."""
-        failed, stopped = self._closing.is_set(), False
+        failed = self._closing.is_set()
         self._closing.set()
         try:
             with self._lock:
-                self._stop_robot()
-                stopped = True
-                if not failed:  # else whoever listens may be what failed
+                if not failed:  # else it was stopped, and whoever listens may be what failed
+                    self._stop_robot()
                     self._report_events()
         finally:
             if self._thread.is_alive():
                 self._thread.join()
             port = self.port
-            self._leave_port(stopped=stopped)
+            self._leave_port(stopped=self._stopped)
             if port is not None:
                 port.close()
 
@@ -157,6 +158,7 @@ class Session:
                     self._leave_port(stopped=False)
                     self._record(RecordKind.LOST, str(error))
                     self._report(error)
+        self._stopped = True
 
     def _run(self) -> None:
         pause = RETRY_FIRST
