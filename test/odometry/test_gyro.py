@@ -4,7 +4,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import degrees, pi, radians
+from math import degrees, isfinite, pi, radians
 from random import Random
 
 import pytest
@@ -111,6 +111,11 @@ def test_a_robot_that_is_turned_slowly_by_its_bumper_knows_its_heading():
     loop.run(30)
     assert loop.estimate.yaw - before == pytest.approx(30 * 20 * STEP * radians(80), rel=0.1)
     assert loop.driver.health(loop.now).gyro.slips == 0
+    loop.forged = {'analog_signal': 1024}  # a value that no Create has
+    loop.run(1)
+    loop.forged = {}
+    loop.run(1)
+    assert isfinite(loop.estimate.yaw)
 
 
 def test_a_gyro_that_was_checked_is_believed_once_the_robot_has_stood():
