@@ -17,6 +17,7 @@ from random import Random
 from statistics import mean
 
 from create_oi_ros.odometry import GyroSettings, Knowledge
+from create_oi_ros.robot import SLOT
 from create_oi_ros.sim.body import Body
 from drives import DRIVES
 from odometry_loop import Journey, TURNS
@@ -29,19 +30,25 @@ SEEDS = range(70_000, 70_016)
 """Nobody tuned on these."""
 STYLES = ('smooth', 'straight')
 REST, MINUTE, LATENCY = 20.0, 60.0, 0.005
+HAND = 0.15
+"""Seconds in which a hand speeds a robot up, or slows it down."""
 MOST = 1.0
 """Degrees a minute, of the mean."""
 
 
 def turned_by_hand(random: Random, body: Body) -> Iterator[bool]:
-    """Lift the robot now and then, turn it, and put it down."""
-    before = False
+    """Lift the robot now and then, turn it, and put it down; hands speed up and slow down."""
+    before, rate, left, lasts = False, 0.0, 0.0, 0.0
     for begins, on in bursts(random, 20, 4):
         if on and not before:
             body.lift(True)
         if begins:
-            body.push(speed=0.0, rate=random.choice((1, -1)) * random.uniform(0.5, 2.0),
-                      seconds=random.uniform(0.3, 1.3))
+            rate = random.choice((1, -1)) * random.uniform(0.5, 2.0)
+            left = lasts = random.uniform(0.3, 1.3)
+        if left > 0:
+            part = min(1.0, left / HAND, (lasts - left) / HAND)
+            body.push(speed=0.0, rate=part * rate, seconds=2 * SLOT)
+            left -= SLOT
         if before and not on:
             body.lift(False)
         before = on
