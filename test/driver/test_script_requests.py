@@ -42,7 +42,6 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
     assert loop.body.truth().speed == 0
     loop.drive(0.2, 0.0, 1.0)
     assert loop.body.truth().speed > 0.1
-    loop.run(1.0)
     assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.01)
 
 
