@@ -3,28 +3,28 @@
 """
 When to ask the robot for distance and angle.
 
-A reading may cost a fraction of a degree, and the longer the wheels run steadily before it, the
-better it tells at what speed: so each wait at steady speed is twice the one before. Wheels that
-still follow a change of the request are given time; after a stop the robot is asked soon.
+Each reading may cost a fraction of a degree, so the robot is asked seldom; longer after a change
+of the requests, for then the wheels have had time to follow; soon after a stop.
 """
 
 from ..robot import FIRMWARE_SEPARATION
-from .bank import Bank, CARRY
+from .bank import Bank
 from .hypotheses import DEGREE, MM
 
-SHORTEST, LONGEST = 1.3, 4.0
-"""Windows between two readings in motion."""
-SETTLED = 0.45
-"""Seconds after a change of the request from which on wheels have followed it, most likely."""
-STANDING, STOPPED = 1.0, 0.3
-"""Windows between readings at rest, and between the last one and that after a stop."""
+WAIT, KNOWN_WAIT, KNOWN = 1.3, 2.0, 25
+"""Windows between two readings at first, and after so many readings in motion."""
+UNSETTLED, SETTLED = 2.2, 0.35
+"""Factor of these while the requests change, and seconds without a change until they do not."""
+STANDING, STOPPED, STOPPED_WAIT = 1.0, 0.6, 0.3
+"""Windows between readings at rest; seconds after the request of a stop from which on the wheels
+stand, and windows after the last reading at which they are then read."""
 FREE_WAIT = 0.5
 """Windows between readings while the wheels do not follow requests."""
 ANSWER = 8
 """Frames in which the answer to a question comes."""
-PROBE, PROBE_EVERY, SURE = 8, 1.5, 0.97
-"""Readings in a row that tell the rounding; seconds between two of these; the probability that
-ends them."""
+PROBE, PROBE_EVERY, PROBE_STEADY, SURE = 8, 1.5, 0.6, 0.97
+"""Readings in a row that tell the rounding; seconds between two of these, and without a change of
+request before; the probability that ends them."""
 
 
 class ReadingPlan:
@@ -72,23 +72,20 @@ class ReadingPlan:
         if not any(self._request):
             if bank.wheels.rests and not bank.wheels.path.any():
                 return STANDING * self.window
-            if self._steady > SETTLED:
-                return STOPPED * self.window
+            if self._steady > STOPPED:
+                return STOPPED_WAIT * self.window
         # Varied by the golden ratio: even intervals are rounded alike each time.
         varied = 0.8 + 0.4 * (self._count * 0.618 % 1)
-        shortest, longest = SHORTEST * self.window, LONGEST * self.window
-        wait = self._steady / 2 if self._steady > SETTLED else longest
-        return varied * min(max(shortest, wait), longest)
+        return self.window * varied * (WAIT if bank.readings < KNOWN else KNOWN_WAIT) * (
+            1.0 if self._steady > SETTLED else UNSETTLED)
 
     def _tells_rounding(self, dt: float, bank: Bank) -> bool:
         """Return whether readings in a row would now tell the roundings apart."""
         right, left = self._request
-        if not (right or left) or self._steady < SETTLED or self._probed < PROBE_EVERY:
+        if not (right or left) or self._steady < PROBE_STEADY or self._probed < PROBE_EVERY:
             return False
         amounts = (abs(right - left) / FIRMWARE_SEPARATION / DEGREE * dt,
                    abs(right + left) / 2 / MM * dt)
-        # Cutting off and rounding answer alike below a half; only a robot that carries does not.
-        carries = bank.rounding[CARRY] > 1 - SURE
-        tells = any(0.62 < each % 1 < 0.88 or (carries and 0.22 < each % 1 < 0.38)
+        tells = any(each > 0.15 and (0.22 < each % 1 < 0.38 or 0.62 < each % 1 < 0.88)
                     for each in amounts)
         return tells and float(bank.rounding.max()) <= SURE
