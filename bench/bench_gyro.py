@@ -11,6 +11,7 @@ simulated robot talk as bytes.
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from math import degrees
 from multiprocessing import Pool
 from random import Random
@@ -36,8 +37,8 @@ MOST = 1.0
 """Degrees a minute, of the mean."""
 
 
-def turned_by_hand(random: Random, body: Body) -> Iterator[bool]:
-    """Lift the robot now and then, turn it, and put it down; hands speed up and slow down."""
+def turned_by_hand(random: Random, body: Body, ramp: float = HAND) -> Iterator[bool]:
+    """Lift the robot now and then, turn it, speeding up for `ramp` seconds, and put it down."""
     before, rate, left, lasts = False, 0.0, 0.0, 0.0
     for begins, on in bursts(random, 20, 4):
         if on and not before:
@@ -46,7 +47,7 @@ def turned_by_hand(random: Random, body: Body) -> Iterator[bool]:
             rate = random.choice((1, -1)) * random.uniform(0.5, 2.0)
             left = lasts = random.uniform(0.3, 1.3)
         if left > 0:
-            part = min(1.0, left / HAND, (lasts - left) / HAND)
+            part = min(1.0, left / ramp, (lasts - left) / ramp)
             body.push(speed=0.0, rate=part * rate, seconds=2 * SLOT)
             left -= SLOT
         if before and not on:
@@ -57,7 +58,8 @@ def turned_by_hand(random: Random, body: Body) -> Iterator[bool]:
 
 FLOORS = {
     'hard floor': (0.0, nothing), 'slip bursts': (0.0, slip), 'carpet, 2 % slip': (0.02, nothing),
-    'carpet, 10 % slip': (0.1, nothing), 'lifted and turned': (0.0, turned_by_hand)}
+    'carpet, 10 % slip': (0.1, nothing), 'lifted and turned': (0.0, turned_by_hand),
+    'lifted and turned at once': (0.0, partial(turned_by_hand, ramp=SLOT))}
 
 
 class Minute(Journey):
