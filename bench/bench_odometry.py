@@ -5,7 +5,8 @@ How good the odometry is: `python bench/bench_odometry.py`, ten minutes, some ta
 
 Robots are drawn at random from what was measured and reported of real ones (`robots`), each drives
 two to five minutes in one of five ways (`drives`), byte by byte between the whole driver and the
-whole simulated robot, with default parameters. By class of robot:
+whole simulated robot, with default parameters. Then some of each class drive from place to place
+(`waypoints`). By class of robot:
 
   turn   |yaw error| at the end, degrees, for each 360 degrees of true rotation either way
   place  distance from estimated to true place at the end, per cent of the true path's length
@@ -38,7 +39,7 @@ from statistics import mean
 from typing import NamedTuple
 
 from create_oi_ros.robot import Rounding
-from drives import DRIVES
+from drives import DRIVES, waypoints
 from odometry_cases import damaged_line, follow_log, rows_of
 from odometry_cost import costs
 from odometry_loop import Journey
@@ -48,8 +49,10 @@ from results import Figure, keep, machine, percentile, show_all
 from rivals import Rival
 from robots import CLASSES
 
-DRIVES_EACH = 20
-"""Robots of each class, four for each kind of drive."""
+DRIVES_EACH, ROUTES = 20, 8
+"""Robots of each class, four for each kind of drive; and those that drive to waypoints."""
+ROUTE = 'waypoints'
+STYLES = {**DRIVES, ROUTE: waypoints}
 HELD_OUT = 80_000
 """First seed; others served for tuning."""
 SHORTEST, LONGEST = 120.0, 300.0
@@ -120,7 +123,7 @@ def drive(kind: str, style: str, seed: int) -> list[Result]:
     robot = CLASSES[kind](random)
     seconds = random.uniform(SHORTEST, LONGEST)
     journey = Journey(robot, seed, latency=LATENCY)
-    journey.drive(list(DRIVES[style](random, seconds)), seconds)
+    journey.drive(list(STYLES[style](random, seconds)), seconds)
     truth = journey.body.truth()
 
     def missed(x: float, y: float, yaw: float) -> Score:
@@ -212,6 +215,18 @@ def figures(kind: str, scores: list[Score], second: list[Score]) -> list[Figure]
                MOST_STEP)]
 
 
+def routes(cells: Cells) -> list[Figure]:
+    """Return drives to waypoints as figures; a reading a second is what they must not exceed."""
+    made = []
+    for kind in TARGETS:
+        ours, second = (cells[f'{kind}: {ROUTE}', name] for name in ('ours', SECOND))
+        for unit, which in (('deg a turn', 'turn'), ('% of the path', 'place')):
+            value, most = (mean(getattr(s, which) for s in scores) for scores in (ours, second))
+            made.append(Figure(f'{kind}, {ROUTE}: {unit}', value, unit, most,
+                               beside=f'{SECOND} {most:.3g}'))
+    return made
+
+
 def worse(scores: list[Score]) -> list[Figure]:
     """Return how often, and by how much, all drives were worse than a reading a second."""
     return [Figure(f'drives worse than {SECOND} by more than {WORSE} deg a turn',
@@ -278,12 +293,17 @@ def main() -> None:
     with Pool(options.processes) as pool:
         cells = print_table(
             [each for some in pool.starmap(drive, jobs, chunksize=1) for each in some])
+        of_routes = routes(print_table(
+            [each for some in pool.starmap(drive, [
+                (kind, ROUTE, options.seed + i) for i in range(ROUTES) for kind in TARGETS])
+             for each in some]))
         old_jobs = [(c, seed) for c in CONDITIONS for seed in range(OLD_DRIVES)]
         of_conditions = conditions(print_table(
             [each for some in pool.imap_unordered(old, old_jobs) for each in some]))
         made = [each for kind in TARGETS for each in figures(
             kind, cells[kind, 'ours'], cells[kind, SECOND])]
         made += worse([score for kind in TARGETS for score in cells[kind, 'ours']])
+        made += of_routes
         made += of_conditions
         made += starts(pool)
         made += trials(pool, options.logs)

@@ -1,13 +1,13 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a robot is asked to do: five kinds of drives, as velocities over time.
+What a robot is asked to do: six kinds of drives, as velocities over time.
 
 Each yields (seconds, m/s, rad/s): from that moment on this is wanted. A drive ends at rest.
 """
 
 from collections.abc import Callable, Iterator
-from math import cos, pi, radians, sin
+from math import atan2, copysign, cos, hypot, pi, radians, remainder, sin, tau
 from random import Random
 
 from robots import spread
@@ -95,6 +95,30 @@ def straight(random: Random, seconds: float) -> Iterator[Wish]:
         at += random.choice((pi / 2, pi, pi / 4)) / abs(rate)
         yield at, 0.0, 0.0
         at += random.uniform(0.2, 1.0)
+    yield seconds - REST, 0.0, 0.0
+
+
+def waypoints(random: Random, seconds: float) -> Iterator[Wish]:
+    """From place to place in a room, with a small correction in each command, as Nav2 drives."""
+    side, speed, rate = random.uniform(2, 7), random.uniform(0.1, 0.45), random.uniform(0.5, 2)
+    gain, reached = random.uniform(1, 3), random.uniform(0.05, 0.1)
+    aimed, sloppy = random.choice((0.1, 0.3, 0.6)), random.uniform(0, 0.01)
+    pause = random.choice((TICK, 0.1, 0.2))
+    at, x, y, yaw = REST, 0.0, 0.0, 0.0
+    goal_x, goal_y = 0.0, 0.0
+    while at < seconds - REST:
+        if hypot(goal_x - x, goal_y - y) < reached:
+            goal_x, goal_y = random.uniform(0, side), random.uniform(0, side)
+        far = hypot(goal_x - x, goal_y - y)
+        off = remainder(atan2(goal_y - y, goal_x - x) - yaw + random.gauss(0, sloppy), tau)
+        linear, angular = min(speed, far), max(-rate, min(rate, gain * off))
+        if abs(off) > aimed:
+            linear, angular = 0.0, copysign(min(rate, 2 * abs(off)), off)
+        yield at, linear, angular
+        x += linear * pause * cos(yaw + angular * pause / 2)
+        y += linear * pause * sin(yaw + angular * pause / 2)
+        yaw += angular * pause
+        at += pause
     yield seconds - REST, 0.0, 0.0
 
 
