@@ -25,9 +25,8 @@ FREE_WAIT = 0.5
 """Windows between readings while the wheels do not follow requests."""
 ANSWER = 8
 """Frames in which the answer to a question comes."""
-PROBE, PROBE_EVERY, PROBE_STEADY = 8, 1.5, 0.6
-"""Readings in a row that tell the rounding; seconds between two of these, and of a steady request
-before them."""
+PROBE, PROBE_STEADY = 8, 0.6
+"""Readings in a row that tell the rounding; seconds of a steady request before them."""
 EVEN = 0.006
 """m/s; a request that stays within it is steady: whoever steers along a line corrects always."""
 SURE, POSSIBLE = 0.97, 0.015
@@ -42,7 +41,7 @@ class ReadingPlan:
     def __init__(self, window: float) -> None:
         self.window = window
         self.due = True
-        self._age = self._steady = self._even = self._probed = 0.0
+        self._age = self._steady = self._even = 0.0
         self._probe = self._pause = self._count = 0
         self._request = self._near = (0.0, 0.0)
 
@@ -64,18 +63,16 @@ class ReadingPlan:
         self._age += dt
         self._steady += dt
         self._even += dt
-        self._probed += dt
         if self._probe:
-            self._probe -= 1
+            self._probe = 0 if free else self._probe - 1
             self.due = self._probe > 0
         elif self.due:
             self.due, self._pause = False, ANSWER
         elif self._pause:
             self._pause -= 1
-        elif not free and self._tells_rounding(dt, bank):
-            self.due, self._probe, self._probed = True, PROBE, 0.0
-        else:
-            self.due = self._age > self._wait(bank, free)
+        elif self._age > self._wait(bank, free):
+            self.due = True
+            self._probe = PROBE if not free and self._tells_rounding(dt, bank) else 0
 
     def _wait(self, bank: Bank, free: bool) -> float:
         """Seconds from the last reading to the next."""
@@ -93,7 +90,7 @@ class ReadingPlan:
 
     def _tells_rounding(self, dt: float, bank: Bank) -> bool:
         """Return whether readings in a row would now tell the roundings apart."""
-        if not any(self._request) or self._even < PROBE_STEADY or self._probed < PROBE_EVERY:
+        if not any(self._request) or self._even < PROBE_STEADY:
             return False
         if max(bank.rounding.values()) > SURE:
             return False
