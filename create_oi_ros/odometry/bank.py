@@ -45,9 +45,6 @@ CURVED = 0.2
 """Part of what a way may be off for its numbers that their derivatives do not tell."""
 SHAPE = 0.01
 """Part of a way, for each radian of turn, by which the mean shape of the way is off."""
-TICK_VARIANCE = 0.35e-3 ** 2 / 6
-"""m²; counts are off the way of a wheel by parts of a tick at both ends: 0.27 to 0.44 mm were
-seen."""
 STRAY_WAY = 0.1
 """m; over longer ways the deviation grows with the root."""
 LIKELY_SIGN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -148,9 +145,6 @@ class Bank:
         weights = np.exp(self.log_weight - self.log_weight.max())
         self.weights = weights = weights / weights.sum()
         self.of_rows = weights.sum(axis=(1, 2, 3))
-        self.rounding = dict.fromkeys(ROUNDINGS, 0.0) | dict(
-            zip(self.roundings, weights.sum(axis=(0, 1, 3)).tolist()))
-        """Probability of each rounding."""
         count = len(self.rows)
         shares = (weights + 1e-12).reshape(count, -1)
         shares /= shares.sum(axis=1)[:, None]
@@ -165,6 +159,14 @@ class Bank:
             for wheel in (RIGHT, LEFT))
         turn = self.of_rows * (1 + self.means[:, TURN]) * self._yaw
         self._right_turn, self._left_turn = turn * self.means[:, RIGHT], turn * self.means[:, LEFT]
+
+    @property
+    def rounding(self) -> Array:
+        """Probabilities of the roundings."""
+        probabilities = np.zeros(len(ROUNDINGS))
+        for each, probability in zip(self.roundings, self.weights.sum(axis=(0, 1, 3))):
+            probabilities[ROUNDINGS.index(each)] = probability
+        return probabilities
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -307,12 +309,11 @@ class Bank:
         p[..., :, X:] = rows.swapaxes(-1, -2)
         p[..., X:, X:] = rows @ f_.swapaxes(-1, -2) + (
             g * noise[..., None, :]) @ g.swapaxes(-1, -2)
-        # What only the pose or only the counts have: slip; ticks, and signs that are not sure.
+        # What only the pose or only the counts have: slip; counts of a sign that is not sure.
         unsure = (wheels.unsure[:, :, 0] ** 2).transpose(1, 0, 2)[:, :, None, None, None]
         slip = self.geometry.slip ** 2 * way[..., None, :]
-        for part, states, variance in (
-                (g[..., :3, :], slice(X, ANGLE), unsure + slip),
-                (g[..., 3:, :], slice(ANGLE, SIZE), unsure + TICK_VARIANCE)):
+        for part, states, variance in ((g[..., :3, :], slice(X, ANGLE), unsure + slip),
+                                       (g[..., 3:, :], slice(ANGLE, SIZE), unsure)):
             p[..., states, states] += (part * variance) @ part.swapaxes(-1, -2)
         p[..., [X, Y], [X, Y]] += (SHAPE * motion.length * motion.yaw) ** 2
         mean[..., X] += dx
@@ -377,7 +378,7 @@ class Bank:
             mean.tolist()[:NUMBER], np.sqrt(variance).tolist()))
         return Knowledge(
             hypotheses=hypotheses,
-            rounding=self.rounding, right_gain=right,
+            rounding=dict(zip(ROUNDINGS, self.rounding.tolist())), right_gain=right,
             left_gain=left, angle_factor=Known(1 + turn.value, turn.deviation),
             readings=self.readings)
 

@@ -61,7 +61,7 @@ def test_odometry_goes_on_after_silence_without_a_jump(loop):
 
 @pytest.mark.parametrize('gap', [0.1, 0.2, 0.3, 0.4, 0.45])
 def test_odometry_says_what_was_driven_while_frames_were_lost(loop, gap):
-    loop.drive(0.2, 0.0, 6.0)  # readings correct the error of the start in the first seconds
+    loop.drive(0.2, 0.0, 3.0)
     off = loop.estimate.x - loop.body.truth().pose.x
     seen = len(loop.moved)
     loop.cut = True
