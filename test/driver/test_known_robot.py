@@ -54,9 +54,9 @@ def learned(loop: Loop) -> Knowledge:
     return known
 
 
-def taught(loop: Loop) -> Knowledge:
+def taught(loop: Loop, seed: int = 1) -> Knowledge:
     """Drive for two minutes; return what was learned, by way of a file."""
-    for wish in mixed(1, TWO_MINUTES):
+    for wish in mixed(seed, TWO_MINUTES):
         loop.drive(*wish)
     return parsed(text_of(learned(loop)))
 
@@ -115,7 +115,7 @@ def test_wheels_that_overshoot_are_known_as_such():
     config = replace(DEFAULT_BODY, response=Response.SECOND_ORDER, overshoot=0.3,
                      time_constant=TimeConstant(0.06))
     loop = robot(config=config)
-    known = taught(loop)
+    known = taught(loop, 2)  # in drive 1 the last bits of a processor decide between two signs
     assert known.wheels.response is Responses.SPRING
     assert known.likeliest == (Rounding.TRUNCATE, SignSource.DRIVE)
     assert known.wheels.overshoot == pytest.approx(0.3, abs=0.1)
