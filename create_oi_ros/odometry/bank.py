@@ -45,6 +45,9 @@ CURVED = 0.2
 """Part of what a way may be off for its numbers that their derivatives do not tell."""
 SHAPE = 0.01
 """Part of a way, for each radian of turn, by which the mean shape of the way is off."""
+TICK_VARIANCE = 0.35e-3 ** 2 / 6
+"""m²; counts are off the way of a wheel by parts of a tick at both ends of a window: 0.27 to
+0.44 mm were seen."""
 STRAY_WAY = 0.1
 """m; over longer ways the deviation grows with the root."""
 LIKELY_SIGN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -74,8 +77,9 @@ EVIDENCE = 0.8
 LEAST_LOG, UNLIKELY = 6.0, 0.02
 """The most by which one reading may tell filters apart, as a logarithm; the probability of an
 interval below which it is taken for a normal distribution."""
-APART = 0.4
-"""Seconds between two readings from which on they tell how wheels follow."""
+APART, IN_A_ROW = 0.4, 0.05
+"""Seconds between two readings from which on they tell how wheels follow, and below which they
+tell nothing but the rounding."""
 NEGLIGIBLE, SAVED = 6e-6, 8
 """Probability below which a hypothesis is dropped; hypotheses that are saved."""
 
@@ -145,6 +149,9 @@ class Bank:
         weights = np.exp(self.log_weight - self.log_weight.max())
         self.weights = weights = weights / weights.sum()
         self.of_rows = weights.sum(axis=(1, 2, 3))
+        self.rounding = dict.fromkeys(ROUNDINGS, 0.0) | dict(
+            zip(self.roundings, weights.sum(axis=(0, 1, 3)).tolist()))
+        """Probability of each rounding."""
         count = len(self.rows)
         shares = (weights + 1e-12).reshape(count, -1)
         shares /= shares.sum(axis=1)[:, None]
@@ -159,14 +166,6 @@ class Bank:
             for wheel in (RIGHT, LEFT))
         turn = self.of_rows * (1 + self.means[:, TURN]) * self._yaw
         self._right_turn, self._left_turn = turn * self.means[:, RIGHT], turn * self.means[:, LEFT]
-
-    @property
-    def rounding(self) -> Array:
-        """Probabilities of the roundings."""
-        probabilities = np.zeros(len(ROUNDINGS))
-        for each, probability in zip(self.roundings, self.weights.sum(axis=(0, 1, 3))):
-            probabilities[ROUNDINGS.index(each)] = probability
-        return probabilities
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -228,9 +227,10 @@ class Bank:
             doubt = (motion.seconds * np.array([UNKNOWN_WAY, UNKNOWN_WAY, UNKNOWN_TURN])) ** 2
             self.covariances[free, X:ANGLE, X:ANGLE] += np.diag(doubt)
         logs = np.zeros(self.weights.shape)
-        for state, (low, high) in zip((ANGLE, DISTANCE), ends):
+        ticks = 2 * TICK_VARIANCE * self._degrees ** 2, TICK_VARIANCE / 2 / MM ** 2
+        for state, (low, high), of_ticks in zip((ANGLE, DISTANCE), ends, ticks):
             column = self.covariances[..., state].copy()
-            variance = np.maximum(column[..., state], 1e-6)
+            variance = column[..., state] + of_ticks
             deviation = np.sqrt(variance)
             off = self.mean[..., state]
             shift, kept, log = _cut((low - off) / deviation, (high - off) / deviation)
@@ -243,7 +243,13 @@ class Bank:
         if trusted and (wheels.path.max() > 2e-3 or reported.any()):
             self.readings += motion.seconds > APART
             logs = np.where(free, -LEAST_LOG, np.maximum(logs, -LEAST_LOG))
-            self.log_weight[:] = FORGET * self.log_weight + EVIDENCE * logs
+            if motion.seconds < IN_A_ROW:
+                shares = self.weights + 1e-12
+                before, after = (each.sum(axis=(0, 1, 3), keepdims=True)
+                                 for each in (shares, shares * np.exp(logs)))
+                self.log_weight += EVIDENCE * np.log(after / before)
+            else:
+                self.log_weight[:] = FORGET * self.log_weight + EVIDENCE * logs
         self._empty(reported)
         self._weigh()
         followed = float(self.weights[free].sum()) < 0.5
@@ -378,7 +384,7 @@ class Bank:
             mean.tolist()[:NUMBER], np.sqrt(variance).tolist()))
         return Knowledge(
             hypotheses=hypotheses,
-            rounding=dict(zip(ROUNDINGS, self.rounding.tolist())), right_gain=right,
+            rounding=self.rounding, right_gain=right,
             left_gain=left, angle_factor=Known(1 + turn.value, turn.deviation),
             readings=self.readings)
 

@@ -7,7 +7,10 @@ Each reading may cost a fraction of a degree, so the robot is asked seldom; long
 of the requests, for then the wheels have had time to follow; soon after a stop.
 """
 
-from ..robot import FIRMWARE_SEPARATION
+from collections.abc import Sequence
+from math import remainder
+
+from ..robot import Rounding
 from .bank import Bank
 from .hypotheses import DEGREE, MM
 
@@ -22,9 +25,14 @@ FREE_WAIT = 0.5
 """Windows between readings while the wheels do not follow requests."""
 ANSWER = 8
 """Frames in which the answer to a question comes."""
-PROBE, PROBE_EVERY, PROBE_STEADY, SURE = 8, 1.5, 0.6, 0.97
-"""Readings in a row that tell the rounding; seconds between two of these, and without a change of
-request before; the probability that ends them."""
+PROBE, PROBE_STEADY = 8, 0.6
+"""Readings in a row that tell the rounding; seconds of a steady request before them."""
+EVEN = 0.006
+"""m/s; a request that stays within it is steady: whoever steers along a line corrects always."""
+SURE, POSSIBLE = 0.97, 0.015
+"""Probability of a rounding that ends them, and below which it is ruled out."""
+TELLING = 0.2
+"""Part of a unit by which readings of two that are not ruled out must differ."""
 
 
 class ReadingPlan:
@@ -33,9 +41,9 @@ class ReadingPlan:
     def __init__(self, window: float) -> None:
         self.window = window
         self.due = True
-        self._age = self._steady = self._probed = 0.0
+        self._age = self._steady = self._even = 0.0
         self._probe = self._pause = self._count = 0
-        self._request = (0.0, 0.0)
+        self._request = self._near = (0.0, 0.0)
 
     def hurry(self) -> None:
         """Ask soon."""
@@ -50,20 +58,21 @@ class ReadingPlan:
         """Let a frame pass."""
         if request != self._request:
             self._request, self._steady = request, 0.0
+        if max(abs(now - near) for now, near in zip(request, self._near)) > EVEN:
+            self._near, self._even = request, 0.0
         self._age += dt
         self._steady += dt
-        self._probed += dt
+        self._even += dt
         if self._probe:
-            self._probe -= 1
+            self._probe = 0 if free else self._probe - 1
             self.due = self._probe > 0
         elif self.due:
             self.due, self._pause = False, ANSWER
         elif self._pause:
             self._pause -= 1
-        elif not free and self._tells_rounding(dt, bank):
-            self.due, self._probe, self._probed = True, PROBE, 0.0
-        else:
-            self.due = self._age > self._wait(bank, free)
+        elif self._age > self._wait(bank, free):
+            self.due = True
+            self._probe = PROBE if not free and self._tells_rounding(dt, bank) else 0
 
     def _wait(self, bank: Bank, free: bool) -> float:
         """Seconds from the last reading to the next."""
@@ -81,11 +90,19 @@ class ReadingPlan:
 
     def _tells_rounding(self, dt: float, bank: Bank) -> bool:
         """Return whether readings in a row would now tell the roundings apart."""
-        right, left = self._request
-        if not (right or left) or self._steady < PROBE_STEADY or self._probed < PROBE_EVERY:
+        if not any(self._request) or self._even < PROBE_STEADY:
             return False
-        amounts = (abs(right - left) / FIRMWARE_SEPARATION / DEGREE * dt,
-                   abs(right + left) / 2 / MM * dt)
-        tells = any(each > 0.15 and (0.22 < each % 1 < 0.38 or 0.62 < each % 1 < 0.88)
-                    for each in amounts)
-        return tells and float(bank.rounding.max()) <= SURE
+        if max(bank.rounding.values()) > SURE:
+            return False
+        speed, rate = bank.motion(bank.wheels.speed[:, 0])
+        amounts = abs(rate) / DEGREE * dt, abs(speed) / MM * dt
+        possible = [each for each, chance in bank.rounding.items() if chance > POSSIBLE]
+        return any(tells_apart(amount, possible) for amount in amounts)
+
+
+def tells_apart(amount: float, roundings: Sequence[Rounding]) -> bool:
+    """Return whether readings of this amount, not negative, differ in the mean by rounding."""
+    lost = {Rounding.TRUNCATE: amount % 1, Rounding.ROUND: remainder(amount, 1),
+            Rounding.CARRY: 0.0}
+    parts = [lost[each] for each in roundings]
+    return max(parts) - min(parts) > TELLING

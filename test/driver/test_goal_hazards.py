@@ -114,9 +114,11 @@ def test_a_robot_in_the_air_begins_nothing():
     assert pursue(loop, distance(0.1)).code is Code.WHEEL_DROP
 
 
-def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it():
+@pytest.mark.parametrize('speed', [0.11, 0.2, 0.3])
+def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it(speed):
+    """Also where readings in a row would tell the rounding, which standing wheels do not."""
     loop = met()
-    running = moving(loop, distance(5.0))
+    running = moving(loop, distance(5.0, speed))
     loop.body.hold(right=True, left=True)
     loop.body.force(overcurrent_right_wheel=0, overcurrent_left_wheel=0)
     ending = until_ended(loop, running)

@@ -111,6 +111,16 @@ def test_knowledge_makes_the_start_of_an_unusual_robot_right():
     assert near < far / 2
 
 
+@pytest.mark.parametrize('speed', [0.17, 0.31])
+@pytest.mark.parametrize('rounding', Rounding)
+def test_the_rounding_is_learned_on_a_line_that_is_steered_all_the_time(rounding, speed):
+    """As Nav2 drives: the request changes with each command, by a little."""
+    loop, random = robot(rounding), Random(1)
+    for _ in range(200):
+        loop.drive(speed, random.uniform(-0.03, 0.03), 0.1)
+    assert learned(loop).rounding[rounding] > 0.95
+
+
 def test_wheels_that_overshoot_are_known_as_such():
     config = replace(DEFAULT_BODY, response=Response.SECOND_ORDER, overshoot=0.3,
                      time_constant=TimeConstant(0.06))
