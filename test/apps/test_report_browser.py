@@ -29,6 +29,8 @@ def recorded(stage: Scene, folder: Path) -> Path:
     recorder = stage.program('create_record', '-o', str(folder / 'walk'))
     publisher = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
     stage.ros.until(lambda: publisher.get_subscription_count() == 2, 'driver and recorder')
+    stage.ros.until(lambda: any(file.stat().st_size > 200_000 for file in folder.glob(
+        'walk/*.mcap')), 'the recorder hears the driver')
     command = Twist()
     command.linear.x, command.angular.z = 0.3, 0.5
 
