@@ -79,7 +79,7 @@ LEAST_LOG, UNLIKELY = 6.0, 0.02
 interval below which it is taken for a normal distribution."""
 APART, IN_A_ROW = 0.4, 0.05
 """Seconds between two readings from which on they tell how wheels follow, and below which they
-tell nothing but the rounding."""
+weigh nothing but the roundings."""
 NEGLIGIBLE, SAVED = 6e-6, 8
 """Probability below which a hypothesis is dropped; hypotheses that are saved."""
 

@@ -46,3 +46,19 @@ def test_absurd_readings_leave_finite_numbers():
         assert np.isfinite(bank.pose).all()
         assert np.isfinite(bank.covariance).all()
         assert (np.linalg.eigvalsh(bank.covariance) >= -1e-9).all()
+
+
+def test_readings_in_a_row_weigh_roundings_and_nothing_else():
+    """2 mm are read in each frame of 2.55 mm."""
+    bank = Bank(Geometry())
+    for _ in range(200):
+        bank.roll(0.015, (0.17, 0.17))
+    bank.read(np.array([0.0, 450.0]), Motion(0.45, 0.0, 0.0, 0.45, 3.0))
+    before = bank.weights
+    for _ in range(8):
+        bank.roll(0.015, (0.17, 0.17))
+        bank.read(np.array([0.0, 2.0]), Motion(0.00255, 0.0, 0.0, 0.00255, 0.015))
+    assert bank.rounding[Rounding.CARRY] < 0.001
+    within, after = (each / each.sum(axis=(0, 1, 3), keepdims=True)
+                     for each in (before, bank.weights))
+    assert after == pytest.approx(within)
