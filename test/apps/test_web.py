@@ -6,10 +6,12 @@ from contextlib import closing
 import http.client
 import signal
 import socket
+from threading import Thread
 
 import aiohttp
 from geometry_msgs.msg import Twist
 import pytest
+from std_srvs.srv import Trigger
 
 from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
@@ -160,6 +162,23 @@ def test_without_a_driver_nothing_is_commanded_and_the_page_is_told(stage, pages
     assert page.reply()['text'] == 'no driver is running: nobody listens to cmd_vel'
     page.send('dock')
     assert page.reply()['text'] == 'nobody offers /dock: no driver is running'
+
+
+def test_a_service_that_is_discovered_late_is_called(stage, pages):
+    page = pages(served(stage)[1])
+    page.until(lambda: page.known.get('driver_found') is False)
+    page.send('stop')
+
+    def stop(request, response):
+        response.success, response.message = True, 'stopped'
+        return response
+    stage.ros.node.create_service(Trigger, 'stop', stop)
+    reply = []
+    thread = Thread(target=lambda: reply.append(page.reply()))
+    thread.start()
+    stage.ros.until(lambda: reply)
+    thread.join()
+    assert (reply[0]['to'], reply[0]['ok']) == ('stop', True)
 
 
 def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(shared, pages):

@@ -9,7 +9,7 @@ All pages are told how the newest goal fares, and each can cancel it.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 import time
@@ -55,6 +55,15 @@ async def awaited(future: Future, timeout: float = REPLY_TIMEOUT) -> Any:
         raise TimeoutError(f'no reply within {timeout:.0f} s') from None
 
 
+async def found(ready: Callable[[], bool]) -> bool:
+    """Wait as long as a driver that has just started may take; return whether it is ready."""
+    looked = 0.0
+    while not ready() and looked < DISCOVERY:
+        await asyncio.sleep(LOOK)
+        looked += LOOK
+    return ready()
+
+
 class WebNode(Node):
     """Passes messages to a live robot, publishes velocity commands, calls services."""
 
@@ -97,7 +106,7 @@ class WebNode(Node):
     async def call(self, service: str, request: Any = None) -> Reply:
         """Call a service and return its reply, or why there is none."""
         client = self._service_clients[service]
-        if not client.service_is_ready():
+        if not await found(client.service_is_ready):
             return self.nobody_offers(service)
         try:
             reply = await awaited(client.call_async(request or CALLS[service].Request()))
@@ -144,13 +153,10 @@ class GoalSender:
     async def _reply(self, goal: SentGoal, request: Any) -> Reply:
         """Send a goal, and return how it ends."""
         client = self._node.action_client(goal.name)
-        looked = 0.0
-        while not (client.server_is_ready() or goal.canceling) and looked < DISCOVERY:
-            await asyncio.sleep(LOOK)
-            looked += LOOK
+        offered = await found(lambda: goal.canceling or client.server_is_ready())
         if goal.canceling:
             return Reply(False, 'canceled before it was sent')
-        if not client.server_is_ready():
+        if not offered:
             return self._node.nobody_offers(goal.name)
         sent = client.send_goal_async(
             request, lambda message: self._on_feedback(goal, message.feedback))
