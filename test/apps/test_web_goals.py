@@ -62,8 +62,10 @@ def test_goals_are_sent_watched_and_reached(robot, opened):
     assert 0.1 < robot.body.truth().pose.x < 0.25
     x, y = page.known['pose']['x'], page.known['pose']['y']
     place = {'pose': {'position': {'x': x + 0.05, 'y': y}}}
-    assert pursued(page, 'navigate_to_position', goal_pose=place)['ok']
-    assert pursued(page, 'wall_follow', follow_side=-1, max_runtime={'sec': 1})['ok']
+    reply = pursued(page, 'navigate_to_position', goal_pose=place)
+    assert reply['ok'], reply
+    reply = pursued(page, 'wall_follow', follow_side=-1, max_runtime={'sec': 1})
+    assert reply['ok'], reply
     page.send('dock')
     page.until(lambda: (goal_of(page).get('feedback') or {}).get('sees_dock') is False)
     page.send('cancel', what='goal')
