@@ -3,6 +3,7 @@
 """A lap of the apartment with the simulated lidar, its scans laid out along the odometry."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import atan2, copysign, hypot, remainder, tau
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from create_oi_ros.driver import Driver, Moved, Settings
 from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import Pose, World
 from create_oi_ros.sim.world.lidar import BEAMS, BEARINGS, Lidar, TURN
@@ -34,12 +36,18 @@ class Laid(NamedTuple):
     robot: Pose
 
 
-def lap(world: World, *, by_truth: bool = False) -> Iterator[Laid]:
-    """Drive the way by the odometry, or by the truth; yield each scan laid out along it."""
-    body = Body(world)
-    robot, driver = Create(body), Driver(Settings())
+def lap(world: World, *, by_truth: bool = False, settings: Settings | None = None, seed: int = 0,
+        stand: float = 4.0, speed: float = SPEED) -> Iterator[Laid]:
+    """
+    Drive the way by the odometry, or by the truth; yield each scan laid out along it.
+
+    The robot has a gyro, by its seed, that only such settings make use of. It stands for some
+    seconds first, and drives at a speed in m/s.
+    """
+    body = Body(world, seed=seed, config=replace(DEFAULT_BODY, gyro=True))
+    robot, driver = Create(body), Driver(settings or Settings())
     lidar, scans, slots = Lidar(world, 0.0, body.truth().pose), 0, []
-    now, commanded, goals = 0.0, 4.0, list(WAY)
+    now, commanded, goals = 0.0, stand, list(WAY)
     driver.connected(now)
     while goals:
         now += STEP
@@ -65,15 +73,15 @@ def lap(world: World, *, by_truth: bool = False) -> Iterator[Laid]:
             commanded = now
             if hypot(goals[0][0] - x, goals[0][1] - y) < THERE:
                 goals.pop(0)
-            driver.drive(*(_velocity(here, *goals[0]) if goals else (0.0, 0.0)), now)
+            driver.drive(*(_velocity(here, *goals[0], speed) if goals else (0.0, 0.0)), now)
 
 
-def _velocity(here: Pose, x: float, y: float) -> tuple[float, float]:
-    """Return m/s and rad/s towards a place."""
+def _velocity(here: Pose, x: float, y: float, speed: float) -> tuple[float, float]:
+    """Return m/s and rad/s towards a place, at most so many m/s."""
     bearing = remainder(atan2(y - here.y, x - here.x) - here.yaw, tau)
     if abs(bearing) > AIMED:
         return 0.0, copysign(min(RATE, 2 * abs(bearing)), bearing)
-    return min(SPEED, hypot(x - here.x, y - here.y)), 1.5 * bearing
+    return min(speed, hypot(x - here.x, y - here.y)), 1.5 * bearing
 
 
 def _laid(scan: dict, time: float, slots: np.ndarray, here: Pose) -> Laid:

@@ -3,10 +3,13 @@
 """Room files, and what a robot senses in rooms."""
 
 from math import cos, hypot, inf, pi, radians, sin
+from statistics import mean
 
 import numpy as np
 import pytest
 
+from bench_gyro import learned, REST, SHEET
+from create_oi_ros.driver import Settings
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.surroundings import CLIFF_BELOW
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
@@ -14,6 +17,7 @@ from create_oi_ros.sim.world.floor_plan import outlines
 from create_oi_ros.sim.world.geometry import reach
 from create_oi_ros.sim.world.lidar import BEARINGS, Lidar, NOISE, TURN
 from lap import lap
+from support.nightly import NIGHTLY
 
 FRAME = 0.015
 
@@ -265,3 +269,15 @@ def test_scans_of_a_lap_draw_the_walls_of_the_apartment():
     assert len(scans) > 700
     assert hypot(scans[-1].robot.x - 1, scans[-1].robot.y - 1) < 0.1
     assert max(off_the_walls(world, scan) for scan in scans[::10]) < 0.03
+
+
+@NIGHTLY
+def test_half_of_the_scans_draw_them_along_the_odometry_too():
+    """Of a known robot with a gyro. At the end of a lap, half of all laps are off by more."""
+    world, seed = shipped('apartment'), 800
+    settings = Settings(robot=learned(seed), gyro=SHEET)
+    laps = [lap(world, settings=settings, seed=seed, stand=REST, speed=speed)
+            for speed in (0.2, 0.25, 0.3)]
+    gaps = [[off_the_walls(world, scan) for scan in list(scans)[::10]] for scans in laps]
+    print('Gaps at the end, cm:', *(round(100 * each[-1], 1) for each in gaps))
+    assert mean(float(np.median(each)) for each in gaps) < 0.03
