@@ -41,8 +41,8 @@ def lap(world: World, *, by_truth: bool = False, settings: Settings | None = Non
     """
     Drive the way by the odometry, or by the truth; yield each scan laid out along it.
 
-    The robot has a gyro, by its seed, that only such settings make use of. It stands for some
-    seconds first, and drives at a speed in m/s.
+    The robot stands for so many seconds first; `speed` is in m/s. Its gyro, which differs by seed,
+    is read only if the settings have one.
     """
     body = Body(world, seed=seed, config=replace(DEFAULT_BODY, gyro=True))
     robot, driver = Create(body), Driver(settings or Settings())
