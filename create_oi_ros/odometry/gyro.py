@@ -32,8 +32,9 @@ ANY_ZERO, ANY_DRIFT, ANY_SCALE = 1.5, 1e-5, 0.03
 """Standard deviations of a gyro that nobody has checked: V, V/s, a part of the scale."""
 STALE_ZERO, STALE_SCALE = 0.005, 5e-4
 """By how much a gyro that was checked may have changed until the next start."""
-ZERO_WALK, DRIFT_WALK = 1e-9, 1e-14
-"""Variances by which zero and drift change in a second, V²/s and V²/s³."""
+ZERO_WALK, DRIFT_WALK = 1e-10, 1e-14
+"""Variances by which zero and drift change in a second, V²/s and V²/s³. Simulated zeros
+with ten and forty times this variance were followed as well as by a filter that expects it."""
 REST_TURN, WHEEL_TURN, WHEEL_SHARE, WHEEL_WAY = 0.02 * DEGREE, 0.15 * DEGREE, 0.003, 0.01
 """What the wheels' own variance does not tell: rad between two readings at rest and in motion;
 parts of the turn and of the way."""
