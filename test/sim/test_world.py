@@ -3,7 +3,7 @@
 """Room files, and what a robot senses in rooms."""
 
 from math import cos, hypot, inf, pi, radians, sin
-from statistics import mean
+from statistics import mean, median
 
 import numpy as np
 import pytest
@@ -272,12 +272,18 @@ def test_scans_of_a_lap_draw_the_walls_of_the_apartment():
 
 
 @NIGHTLY
-def test_along_the_odometry_half_of_the_scans_draw_the_walls_within_3_cm():
-    """Those of a known robot with a gyro; the last scan of a lap is off by 4 cm in the mean."""
-    world, seed = shipped('apartment'), 800
-    settings = Settings(robot=learned(seed), gyro=SHEET)
-    laps = [lap(world, settings=settings, seed=seed, stand=REST, speed=speed)
-            for speed in (0.2, 0.25, 0.3)]
-    gaps = [[off_the_walls(world, scan) for scan in list(scans)[::10]] for scans in laps]
+def test_scans_along_the_odometry_draw_the_walls_again_after_a_lap():
+    """
+    The last scan of a lap, and half of all, of known robots with a gyro.
+
+    The last one in the median of nine robots, since one lap of three is off by more: the noise of
+    such a gyro alone turns a lap by half a degree.
+    """
+    world, gaps = shipped('apartment'), []
+    for seed in range(810, 819):
+        settings = Settings(robot=learned(seed), gyro=SHEET)
+        scans = list(lap(world, settings=settings, seed=seed, stand=REST))
+        gaps.append([off_the_walls(world, scan) for scan in [*scans[::10], scans[-1]]])
     print('Gaps at the end, cm:', *(round(100 * each[-1], 1) for each in gaps))
-    assert mean(float(np.median(each)) for each in gaps) < 0.03
+    assert median(each[-1] for each in gaps) < 0.03
+    assert mean(median(each) for each in gaps) < 0.03
