@@ -81,6 +81,8 @@ class VelocityInput:
         self._alternated_at = -CONTEST_INTERVAL
         self._contested = False
         self._subscription: Subscription | None = None
+        self._refused = False
+        """Whether the middleware refused the last subscription."""
         self._subscribe()
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(self.node)
@@ -119,8 +121,8 @@ class VelocityInput:
             self._reliable_checks += 1
             if self._reliable_checks >= RELIABLE_CHECKS:
                 reliability = ReliabilityPolicy.RELIABLE
-        if (type_, reliability) != (self.type, self.reliability) or self._subscription is None:
-            self.type, self.reliability = type_, reliability
+        if (type_, reliability) != (self.type, self.reliability) or self._refused:
+            self.type, self.reliability, self._refused = type_, reliability, False
             self._executor.create_task(self._subscribe)
 
     def contested(self) -> bool:
@@ -146,6 +148,7 @@ class VelocityInput:
                 # GraphWatch says more of a publisher that does not fit.
                 event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False))
         except RuntimeError as error:  # another node of this process may have the other type yet
+            self._refused = True
             self.node.get_logger().warning(
                 f'{self._topic} as {type_name(self.type)}: {error}; tried again in a second')
 

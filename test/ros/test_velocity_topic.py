@@ -90,9 +90,27 @@ def test_types_follow_the_publishers_that_are_alone_and_stay_while_both_are_ther
     stage.hears(twist, 0.5)
 
 
-def endpoint(qos: QoSProfile = RELIABLE) -> TopicEndpointInfo:
-    """Return a publisher of Twist."""
-    return TopicEndpointInfo(topic_type='geometry_msgs/msg/Twist', qos_profile=qos)
+def endpoint(qos: QoSProfile = RELIABLE, type_: str = 'Twist') -> TopicEndpointInfo:
+    """Return a publisher of this type."""
+    return TopicEndpointInfo(topic_type=f'geometry_msgs/msg/{type_}', qos_profile=qos)
+
+
+def test_while_a_subscription_is_being_made_no_other_is_asked_for(stage, monkeypatch):
+    made, begun, go_on = stage.start(), [], threading.Event()
+    create = made.node.create_subscription
+
+    def slow(type_: type, *args: Any, **options: Any) -> Any:
+        begun.append(type_)
+        assert go_on.wait(TIMEOUT)
+        return create(type_, *args, **options)
+    monkeypatch.setattr(made.node, 'create_subscription', slow)
+    made.adapt([endpoint(type_='TwistStamped')])
+    stage.ros.until(lambda: begun)
+    made.adapt([endpoint(type_='TwistStamped')])
+    go_on.set()
+    made.adapt([endpoint()])
+    stage.ros.until(lambda: Twist in begun)
+    assert begun == [TwistStamped, Twist]
 
 
 def test_best_effort_ends_when_all_have_been_reliable_for_a_while(stage):
