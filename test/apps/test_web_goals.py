@@ -67,7 +67,9 @@ def test_goals_are_sent_watched_and_reached(robot, opened):
     reply = pursued(page, 'wall_follow', follow_side=-1, max_runtime={'sec': 1})
     assert reply['ok'], reply
     page.send('dock')
-    page.until(lambda: (goal_of(page).get('feedback') or {}).get('sees_dock') is False)
+    page.until(lambda: page.replies or (
+        goal_of(page).get('feedback') or {}).get('sees_dock') is False)
+    assert not page.replies, page.replies
     page.send('cancel', what='goal')
     assert not page.reply()['ok']
 
