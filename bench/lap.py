@@ -37,12 +37,12 @@ class Laid(NamedTuple):
 
 
 def lap(world: World, *, by_truth: bool = False, settings: Settings | None = None, seed: int = 0,
-        stand: float = 4.0, speed: float = SPEED) -> Iterator[Laid]:
+        stand: float = 4.0) -> Iterator[Laid]:
     """
     Drive the way by the odometry, or by the truth; yield each scan laid out along it.
 
-    The robot stands for so many seconds first; `speed` is in m/s. Its gyro, which differs by seed,
-    is read only if the settings have one.
+    The robot stands for so many seconds first. Its gyro, which differs by seed, is read only if
+    the settings have one.
     """
     body = Body(world, seed=seed, config=replace(DEFAULT_BODY, gyro=True))
     robot, driver = Create(body), Driver(settings or Settings())
@@ -73,15 +73,15 @@ def lap(world: World, *, by_truth: bool = False, settings: Settings | None = Non
             commanded = now
             if hypot(goals[0][0] - x, goals[0][1] - y) < THERE:
                 goals.pop(0)
-            driver.drive(*(_velocity(here, *goals[0], speed) if goals else (0.0, 0.0)), now)
+            driver.drive(*(_velocity(here, *goals[0]) if goals else (0.0, 0.0)), now)
 
 
-def _velocity(here: Pose, x: float, y: float, speed: float) -> tuple[float, float]:
-    """Return m/s and rad/s towards a place, at most so many m/s."""
+def _velocity(here: Pose, x: float, y: float) -> tuple[float, float]:
+    """Return m/s and rad/s towards a place."""
     bearing = remainder(atan2(y - here.y, x - here.x) - here.yaw, tau)
     if abs(bearing) > AIMED:
         return 0.0, copysign(min(RATE, 2 * abs(bearing)), bearing)
-    return min(speed, hypot(x - here.x, y - here.y)), 1.5 * bearing
+    return min(SPEED, hypot(x - here.x, y - here.y)), 1.5 * bearing
 
 
 def _laid(scan: dict, time: float, slots: np.ndarray, here: Pose) -> Laid:
