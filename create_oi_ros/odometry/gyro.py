@@ -33,8 +33,7 @@ ANY_ZERO, ANY_DRIFT, ANY_SCALE = 1.5, 1e-5, 0.03
 STALE_ZERO, STALE_SCALE = 0.005, 5e-4
 """By how much a gyro that was checked may have changed until the next start."""
 ZERO_WALK, DRIFT_WALK = 1e-10, 1e-14
-"""Variances by which zero and drift change in a second, V²/s and V²/s³. Simulated zeros
-with ten and forty times this variance were followed as well as by a filter that expects it."""
+"""Variances by which zero and drift change in a second, V²/s and V²/s³."""
 REST_TURN, WHEEL_TURN, WHEEL_SHARE, WHEEL_WAY = 0.02 * DEGREE, 0.15 * DEGREE, 0.003, 0.01
 """What the wheels' own variance does not tell: rad between two readings at rest and in motion;
 parts of the turn and of the way."""
