@@ -27,9 +27,13 @@ STDERR = pytest.StashKey[int]()
 SHARED_MEMORY = Path('/dev/shm')
 PORTS_EACH, FIRST_PORT = 250, 7400
 """Numbers of the middleware's ports that a ROS domain has, and the first one of domain 0."""
-MAY_LACK = ('no Chromium', 'no check_urdf', 'no `ros2 security`', 'with an installed ROS',
-            'not a clone of git')
-"""Words in the reasons for a skip that `make` cannot help; all else it installs."""
+MAY_LACK = ('no Chromium', 'no check_urdf', 'no `ros2 security`', 'not a clone of git',
+            *([] if 'CREATE_OI_ROS2' in os.environ else ['no `ros2` here']))
+"""
+Words in the reasons for a skip that `make` cannot help; all else it installs.
+
+`.ci/run` sets the variable where it has installed `ros2`.
+"""
 MADE = Path(sys.prefix) / 'ready_for_tests'
 """Where `make test` has installed what tests need, there is this file."""
 
@@ -108,6 +112,14 @@ def stage(tmp_path):
     """Return an empty scene: a ROS domain of its own, for robots and programs."""
     from support.ros import scene  # not for tests without ROS
     with scene(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture(scope='module')
+def ros2(tmp_path_factory):
+    """Return the real `ros2` commands, in a scene that the tests of a file share."""
+    from support.ros2 import real_tools  # not for tests without ROS
+    with real_tools(tmp_path_factory.mktemp('ros2')) as made:
         yield made
 
 

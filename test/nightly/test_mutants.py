@@ -133,7 +133,7 @@ def killed(limit: float, tests: list[str]) -> None:
     except subprocess.TimeoutExpired:
         code = 1
     finally:
-        kill_marked(f'{MARK}={mark}')
+        kill_marked(mark)
     sys.exit(code)
 
 

@@ -11,12 +11,20 @@ MARK = 'CREATE_OI_TEST_PROGRAM'
 """Environment variable by which the processes of a test's program are found."""
 
 
-def kill_marked(mark: str) -> list[str]:
-    """Kill all processes that have inherited a variable NAME=VALUE; return their commands."""
-    killed = []
+def marked(mark: str) -> dict[int, str]:
+    """Return the processes that have inherited this value of MARK, with their commands."""
+    found = {}
     for process in Path('/proc').glob('[0-9]*'):
         with suppress(OSError):  # it has ended, or belongs to somebody else
-            if f'{mark}\0' in (process / 'environ').read_text(errors='replace'):
-                killed.append((process / 'cmdline').read_text().replace('\0', ' '))
-                os.kill(int(process.name), signal.SIGKILL)
-    return killed
+            if f'{MARK}={mark}\0' in (process / 'environ').read_text(errors='replace'):
+                found[int(process.name)] = (process / 'cmdline').read_text().replace('\0', ' ')
+    return found
+
+
+def kill_marked(mark: str) -> list[str]:
+    """Kill these processes; return their commands."""
+    found = marked(mark)
+    for process in found:
+        with suppress(ProcessLookupError):  # it has ended meanwhile
+            os.kill(process, signal.SIGKILL)
+    return [*found.values()]

@@ -41,7 +41,7 @@ from create_oi_ros.sim.server.control import ControlPort
 from create_oi_ros.sim.server.faults import Faults
 from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import Pose, shipped, World
-from support.processes import kill_marked, MARK
+from support.processes import kill_marked, MARK, marked
 
 TIMEOUT = 30.0
 """Seconds to wait for an event before a test fails."""
@@ -100,9 +100,9 @@ class Program:
 
     def __init__(self, *arguments: str, domain: int | None, terminal: bool = False) -> None:
         """Start it in a ROS domain (None: it chooses one), and on a terminal of its own or not."""
-        self._mark = f'{MARK}={os.getpid()}.{next(_numbers)}'
-        name, _, number = self._mark.partition('=')
-        environment = {**os.environ, 'PYTHONUNBUFFERED': '1', name: number}
+        self.mark = f'{os.getpid()}.{next(_numbers)}'
+        """Value of the variable MARK that it and all its children have."""
+        environment = {**os.environ, 'PYTHONUNBUFFERED': '1', MARK: self.mark}
         if domain is not None:
             environment['ROS_DOMAIN_ID'] = str(domain)
         self._terminal, ends = -1, {'stdout': subprocess.PIPE, 'stderr': subprocess.STDOUT}
@@ -157,10 +157,18 @@ class Program:
         self._read_all()
         return code
 
+    def outlived(self) -> list[str]:
+        """Return the commands of its children that do not end after it; kill them."""
+        deadline = time.monotonic() + TIMEOUT
+        while marked(self.mark) and time.monotonic() < deadline:
+            time.sleep(0.1)
+        return kill_marked(self.mark)
+
     def close(self) -> None:
-        """Kill the process if it runs; print its output, for pytest to show if the test fails."""
+        """Kill it and what it has left; print its output, for pytest to show if the test fails."""
         self._process.kill()
         self._process.wait()
+        kill_marked(self.mark)
         try:
             self._read_all()
         finally:
@@ -172,7 +180,7 @@ class Program:
         """Wait for the end of the output; kill what still can write to it, and fail."""
         self._reader.join(TIMEOUT)
         if self._reader.is_alive():
-            left = kill_marked(self._mark)
+            left = kill_marked(self.mark)
             self._reader.join(TIMEOUT)
             raise AssertionError(f'these outlived the program that started them: {left}')
 
@@ -275,9 +283,9 @@ class Scene:
         """Start one of the programs in examples/."""
         return self.script(Path(__file__).parents[2] / 'examples' / name, *arguments)
 
-    def script(self, path: Path, *arguments: str) -> Program:
+    def script(self, path: Path, *arguments: str, terminal: bool = False) -> Program:
         """Start a Python file."""
-        return self._start(str(path), *arguments)
+        return self._start(str(path), *arguments, terminal=terminal)
 
     def _start(self, *arguments: str, terminal: bool = False) -> Program:
         made = Program(*arguments, domain=self.domain, terminal=terminal)
