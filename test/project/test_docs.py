@@ -12,7 +12,6 @@ import subprocess
 from create_oi_ros.ros.reference import POLICY, rewritten, TABLES
 import document
 from results import Figure, figures_of, keep, load, rows
-from support.pages import blocks, check_ros2, commands
 from support.source import modules, PACKAGE, parsed, ROOT
 
 MADE = {'build', 'install', 'log'}
@@ -120,16 +119,6 @@ def test_the_scripts_in_the_page_are_the_examples():
         text = (ROOT / 'examples' / name).read_text()
         program = re.sub(r'\A(#.*\n)+\n*', '', text)  # without copyright and licence
         assert f'```python\n{program}```' in INTERFACE
-
-
-def test_names_in_ros2_commands_exist():
-    for page in [ROOT / 'README.md', *(ROOT / 'docs').glob('*.md')]:
-        if page.name == 'security.md':  # `ros2 security`: test_security
-            continue
-        for block in blocks(page):
-            for words in commands(block.text) if block.language in ('', 'bash') else ():
-                if words[0] == 'ros2':
-                    check_ros2(words)
 
 
 def texts() -> str:
