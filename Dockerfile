@@ -8,7 +8,7 @@ WORKDIR /ws
 COPY . src/create_oi_ros
 RUN apt-get update \
     && rosdep update \
-    && rosdep install -y --from-paths src/create_oi_ros src/create_oi_ros/msg_defs \
+    && rosdep install -y --ignore-src --from-paths src/create_oi_ros src/create_oi_ros/msg_defs \
     && rm -rf /var/lib/apt/lists/*
 RUN source /opt/ros/jazzy/setup.bash \
     && colcon build --base-paths src/create_oi_ros src/create_oi_ros/msg_defs

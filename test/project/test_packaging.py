@@ -135,6 +135,71 @@ def test_the_core_is_installed_without_ros(tmp_path: Path) -> None:
         'from create_oi_ros.sim.world import shipped; shipped("room")'))
 
 
+# rosdep, the real one, without a network: its sources and ROS's index are files of the test.
+
+
+JAZZY = ('action_msgs ament_cmake ament_index_python builtin_interfaces diagnostic_msgs '
+         'domain_coordinator geometry_msgs launch launch_ros nav_msgs rcl_interfaces rclpy '
+         'robot_state_publisher ros2launch rosgraph_msgs rosidl_default_generators '
+         'rosidl_default_runtime sensor_msgs std_msgs std_srvs tf2_msgs').split()
+"""Packages of ROS 2 Jazzy."""
+UBUNTU = [f'python3-{name}' for name in (
+    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pil', 'pytest', 'pytest-cov',
+    'pytest-timeout', 'pytest-xdist', 'segno', 'serial', 'yaml')]
+"""Keys of rosdep that are packages of Ubuntu, of the same name."""
+ROSDEP_INSTALL = sorted({
+    command.strip() for name in (
+        'README.md', 'Dockerfile', 'docs/raspberry_pi.md', '.github/workflows/ci.yml')
+    for command in re.findall(r'rosdep install [^\n\\]*', (ROOT / name).read_text('utf-8'))})
+
+
+@pytest.fixture
+def rosdep(tmp_path, monkeypatch):
+    """Return a function that runs rosdep in a workspace, on a computer without these packages."""
+    program = shutil.which('rosdep')
+    if program is None:
+        pytest.skip('no rosdep here')
+
+    def write(name: str, content: object) -> str:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f'%YAML 1.1\n---\n{yaml.safe_dump(content)}')
+        return f'file://{path}'
+    keys = write('keys.yaml', {key: {'ubuntu': [key]} for key in UBUNTU})
+    (tmp_path / 'sources').mkdir()
+    (tmp_path / 'sources' / 'keys.list').write_text(f'yaml {keys}\n')
+    write('jazzy.yaml', {
+        'type': 'distribution', 'version': 2, 'release_platforms': {'ubuntu': ['noble']},
+        'repositories': {'all': {'release': {
+            'packages': JAZZY, 'version': '1.0.0-1', 'url': 'https://example.com/all.git',
+            'tags': {'release': '{package}/{version}'}}}}})
+    index = write('index.yaml', {'type': 'index', 'version': 4, 'distributions': {'jazzy': {
+        'distribution': ['jazzy.yaml'], 'distribution_cache': '', 'python_version': 3,
+        'distribution_status': 'active', 'distribution_type': 'ros2'}}})
+    for name, value in (('ROSDEP_SOURCE_PATH', tmp_path / 'sources'), ('ROS_DISTRO', 'jazzy'),
+                        ('ROSDISTRO_INDEX_URL', index), ('ROS_HOME', tmp_path / 'home')):
+        monkeypatch.setenv(name, str(value))
+    monkeypatch.delenv('AMENT_PREFIX_PATH', raising=False)
+    (tmp_path / 'src').mkdir()
+    (tmp_path / 'src' / PACKAGE).symlink_to(ROOT)
+
+    def run(command: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([program, *shlex.split(command)[1:]], cwd=tmp_path, text=True,
+                              capture_output=True, timeout=60)
+    assert run('rosdep update').returncode == 0
+    return run
+
+
+@pytest.mark.parametrize('command', ROSDEP_INSTALL)
+def test_rosdep_finds_all_that_the_packages_need(rosdep, command):
+    done = rosdep(f'{command} --simulate --os=ubuntu:noble')
+    assert (done.returncode, done.stderr) == (0, '')
+    assert 'ros-jazzy-rosidl-default-generators' in done.stdout, 'the messages need it'
+    assert 'ros-jazzy-create' not in done.stdout
+    assert 'create_oi_msgs' in rosdep(
+        f'{command} --simulate --os=ubuntu:noble'.replace(' --ignore-src', '')).stderr
+
+
 # Set-up and build: what they say, and where they put what they make.
 
 
