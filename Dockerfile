@@ -14,4 +14,4 @@ RUN source /opt/ros/jazzy/setup.bash \
     && colcon build --base-paths src/create_oi_ros src/create_oi_ros/msg_defs
 STOPSIGNAL SIGINT
 ENTRYPOINT ["/bin/bash", "-c", "source /ws/install/setup.bash && exec \"$@\"", "--"]
-CMD ["ros2", "launch", "create_oi_ros", "create.launch.py", "simulated:=true"]
+CMD ["ros2", "launch", "create_oi_ros", "simulation.launch.py"]

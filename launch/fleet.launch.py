@@ -4,48 +4,39 @@
 Several simulated Creates: robot1, robot2, ... Each has a namespace and frames of its own.
 
     ros2 launch create_oi_ros fleet.launch.py count:=3
-    ros2 topic pub -r 10 /robot2/cmd_vel geometry_msgs/msg/Twist '{linear: {x: 0.1}}'
+
+All other arguments are those of simulation.launch.py, and hold for each robot.
 """
 
 import os
 
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
-from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration
+from launch.actions import (
+    DeclareLaunchArgument,
+    GroupAction,
+    IncludeLaunchDescription,
+    OpaqueFunction,
+)
 
-SHARE = get_package_share_directory('create_oi_ros')
-
-
-ARGUMENTS = {
-    'world': ('apartment', 'world of each robot: a name, or a file'),
-    'params': (os.path.join(SHARE, 'config', 'create.yaml'), 'parameter file of the drivers'),
-    'log_level': ('info', 'of the drivers'),
-    'use_sim_time': ('false', 'true: take the time from /clock'),
-    'respawn': ('false', 'true: start a driver again when it ends; false: the launch ends'),
-    'description': ('true', 'true: publish models (robot_state_publisher)'),
-}
-
-
-def robots(context):
-    """Return the launch of a simulated robot, once for each."""
-    text = LaunchConfiguration('count').perform(context)
-    count = int(text) if text.isdecimal() else 0
-    if not count:
-        raise RuntimeError(f'count:={text}; allowed: a whole number of robots, 1 or more')
-    one = os.path.join(SHARE, 'launch', 'create.launch.py')
-    return [
-        IncludeLaunchDescription(PythonLaunchDescriptionSource(one), launch_arguments={
-            'simulated': 'true', 'namespace': name, 'frame_prefix': f'{name}/',
-            **{argument: LaunchConfiguration(argument) for argument in ARGUMENTS}}.items())
-        for name in (f'robot{number}' for number in range(1, count + 1))]
+SIMULATION = os.path.join(
+    get_package_share_directory('create_oi_ros'), 'launch', 'simulation.launch.py')
+MOST = 20  # each takes a twentieth of a core
 
 
 def generate_launch_description():
-    """Declare the arguments and start the robots."""
+    """Declare the number of robots, and start them."""
     return LaunchDescription([
-        DeclareLaunchArgument('count', default_value='2', description='number of robots'),
-        *(DeclareLaunchArgument(name, default_value=default, description=description)
-          for name, (default, description) in ARGUMENTS.items()),
+        DeclareLaunchArgument(
+            'count', default_value='2', choices=[str(n) for n in range(1, MOST + 1)],
+            description='number of robots; other arguments are those of simulation.launch.py'),
         OpaqueFunction(function=robots)])
+
+
+def robots(context):
+    """Return the robots; a group each, so that no argument of one reaches the next."""
+    count = int(context.launch_configurations['count'])
+    return [
+        GroupAction([IncludeLaunchDescription(SIMULATION, launch_arguments={
+            'namespace': f'robot{number}', 'frame_prefix': f'robot{number}/'}.items())])
+        for number in range(1, count + 1)]

@@ -13,7 +13,7 @@ def read_world(text: str) -> World:
         return shipped(text)
     try:
         return parse(Path(text).read_text('utf-8'), text)
-    except FileNotFoundError:
+    except (FileNotFoundError, IsADirectoryError):
         raise WorldError(
             f'{text!r}; allowed: a file, or one of {", ".join(shipped_names())}') from None
     except UnicodeDecodeError:

@@ -1,8 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Files beside the code: model, launch files, parameter file, RViz and udev settings."""
+"""Files beside the code: model, parameter file, RViz and udev settings."""
 
-import importlib.util
 import subprocess
 import sys
 from xml.etree import ElementTree
@@ -20,18 +19,11 @@ URDF = ROOT / 'urdf' / 'create.urdf'
 MODEL = ElementTree.parse(URDF).getroot()
 LINKS = {link.get('name') for link in MODEL.iter('link')}
 JOINTS = {joint.get('name'): joint for joint in MODEL.iter('joint')}
-LAUNCH_FILES = sorted((ROOT / 'launch').glob('*.launch.py'))
 
 
 def ends(joint: ElementTree.Element) -> tuple[str, str]:
     """Return the parent and the child of a joint."""
     return joint.find('parent').get('link'), joint.find('child').get('link')
-
-
-def is_package(name: str) -> bool:
-    """Return whether Python can import a package; a folder without code does not count."""
-    spec = importlib.util.find_spec(name)
-    return spec is not None and spec.origin is not None
 
 
 def canonical(text: str) -> str:
@@ -97,59 +89,6 @@ def test_the_parameter_file_is_made_from_the_code():
     assert values == defaults
     assert {name: type(value) for name, value in values.items()} == {
         name: type(value) for name, value in defaults.items()}
-
-
-def described(path):
-    """Return a launch file as a module, and a context with the defaults of its arguments."""
-    missing = [name for name in ('launch', 'launch_ros') if not is_package(name)]
-    if missing:
-        pytest.skip(f'no {", ".join(missing)} here: they come with an installed ROS')
-    from launch import LaunchContext
-    from launch.actions import DeclareLaunchArgument
-    spec = importlib.util.spec_from_file_location('described', path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    context = LaunchContext()
-    for entity in module.generate_launch_description().entities:
-        if isinstance(entity, DeclareLaunchArgument):
-            entity.execute(context)
-    return module, context
-
-
-@pytest.mark.parametrize('path', LAUNCH_FILES, ids=lambda path: path.name)
-def test_a_launch_file_describes_its_launch(path):
-    module, _ = described(path)
-    assert module.generate_launch_description().entities
-
-
-@pytest.mark.parametrize('arguments, sentence', [
-    ({'rviz': 'true'}, 'rviz2 is not installed: sudo apt-get install ros-jazzy-rviz2, or launch '
-     'with rviz:=false'),
-    ({'params': '/nodir/x'}, 'params:=/nodir/x: No such file or directory'),
-    ({'simulated': 'true', 'world': 'nowhere'},
-     "world:='nowhere'; allowed: a file, or one of apartment, empty, room, table"),
-    ({'lidar': 'true'}, 'lidar:=true is for simulated:=true: a real lidar has its own driver'),
-    ({'port': ''}, 'port:= is empty; allowed: a serial device or a pyserial URL')])
-def test_a_wrong_launch_argument_is_refused_before_anything_starts(
-        arguments, sentence, monkeypatch):
-    module, context = described(ROOT / 'launch' / 'create.launch.py')
-
-    def find(package):
-        if package == 'rviz2':
-            raise module.PackageNotFoundError(package)
-    monkeypatch.setattr(module, 'get_package_prefix', find)
-    context.launch_configurations.update(arguments)
-    with pytest.raises(RuntimeError) as refused:
-        module.check(context)
-    assert str(refused.value) == sentence
-
-
-@pytest.mark.parametrize('count', ['0', 'abc', '-1', ''])
-def test_a_fleet_of_no_robots_is_refused(count):
-    module, context = described(ROOT / 'launch' / 'fleet.launch.py')
-    context.launch_configurations['count'] = count
-    with pytest.raises(RuntimeError, match=f'count:={count}; allowed: a whole number'):
-        module.robots(context)
 
 
 def test_rviz_shows_the_model_and_the_odometry():

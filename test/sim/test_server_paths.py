@@ -118,7 +118,8 @@ def test_an_export_overwrites_nothing(tmp_path: Path, name: str, refused: Refuse
 
 @pytest.mark.parametrize(('arguments', 'reason'), [
     (['--world', 'nowhere'], 'one of apartment, empty, room, table'),
-    (['--world', 'FOLDER'], 'Is a directory'),
+    (['--world', ''], "''; allowed: a file, or one of apartment"),
+    (['--world', 'FOLDER'], 'one of apartment, empty, room, table'),
     (['--world', 'FOLDER/binary'], 'is no world file: it is not text'),
     (['--world', 'FOLDER/zeros'], "FOLDER/zeros, line 1: unknown 'PK"),
     (['--fault', 'burn'], 'with KIND one of flip'), (['--guess', 'boot=1'], "no guess 'boot'"),
