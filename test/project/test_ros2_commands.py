@@ -10,6 +10,7 @@ from create_oi_msgs.srv import DefineSong
 import pytest
 
 from support.pages import ROOT, ros2_commands
+from support.ros2 import Ros2
 
 PACKAGE = 'create_oi_ros'
 LEFT_OUT = {
@@ -28,10 +29,8 @@ SHOWS = {
     'topic echo': '\n---\n', 'topic hz': 'average rate: ',
     'topic info': 'Node name: create_cmd_vel', 'topic list': '/odom', 'topic pub': 'publishing #3'}
 """Part of what each kind of command prints when it works."""
-REPEATED = 'list', 'info', 'describe', 'set'
-"""Last words of those that are repeated: the daemon of `ros2` does not know the graph at once."""
 LASTING = {'run create_node', 'run create_web', 'topic echo', 'topic hz', 'topic pub'}
-"""Those that run until Ctrl-C."""
+"""Those that run until Ctrl-C; others are repeated while the graph or the robot is not known."""
 
 
 def kind(words):
@@ -48,13 +47,8 @@ OURS = [words for words in ros2_commands() if needs(words) == PACKAGE and words[
 OURS.sort(key=lambda words: words[1] == 'daemon')  # that is ended last
 
 
-def shows(program, words):
-    """Return whether a command on a terminal has printed what it should."""
-    return SHOWS[kind(words)] in program.output.replace('\r', '')
-
-
 @pytest.fixture(scope='module')
-def typed(ros2):
+def typed(ros2: Ros2):
     """Return a function that types a command, and waits until it has worked."""
     robot = ros2.stage.robot()
     with pytest.MonkeyPatch.context() as patch:
@@ -65,16 +59,14 @@ def typed(ros2):
 
         def run(words):
             given = [word.replace('PORT', str(robot.link)) for word in words[1:]]
-            if kind(words).endswith(REPEATED):
-                ros2.run(*given, shows=lambda shown: SHOWS[kind(words)] in shown)
+            if kind(words) not in LASTING:
+                ros2.run(*given, shows=lambda output: SHOWS[kind(words)] in output)
                 return
             program = ros2.start(*given, terminal=True)
-            ros2.stage.ros.until(lambda: shows(program, words) or not program.running(),
-                                 ' '.join(words))
-            if kind(words) in LASTING:
-                program.type('\x03')
+            ros2.stage.ros.until(
+                lambda: SHOWS[kind(words)] in program.output.replace('\r', ''), ' '.join(words))
+            program.type('\x03')
             program.ended()
-            assert shows(program, words)
         yield run
 
 
@@ -93,7 +85,8 @@ def driver(ros2, typed):
     program = ros2.start('run', PACKAGE, 'create_node', '--ros-args', '--params-file',
                          'my_create.yaml')
     ros2.stage.ros.until(lambda: 'entering SAFE' in program.output)
-    assert ros2.stage.ros.call(DefineSong, 'define_song', pitches=[60], seconds=[0.1]).success
+    ros2.stage.ros.until(lambda: ros2.stage.ros.call(
+        DefineSong, 'define_song', pitches=[60], seconds=[0.1]).success, 'the song is stored')
 
 
 @pytest.mark.parametrize('words', [words for words in OURS if words[1] != 'run'], ids=' '.join)

@@ -1,6 +1,10 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The real `ros2` commands and `launch`: those in build/ros2, or of an installed ROS."""
+"""
+The real `ros2` commands and `launch`: those in build/ros2, or of an installed ROS.
+
+Without them, a file of tests that imports this is skipped.
+"""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,7 +18,7 @@ from typing import Any
 import pytest
 import yaml
 
-from support.ros import Program, Scene, scene
+from support.ros import Program, Scene, scene, TIMEOUT
 from support.source import ROOT
 
 TOOLS = ROOT / 'build' / 'ros2'
@@ -25,17 +29,17 @@ STAND_INS = 'robot_state_publisher', 'rviz2'
 """Packages of which there are no wheels."""
 
 
-def set_up(patch: pytest.MonkeyPatch) -> Path:
-    """Put the tools into the environment; return `ros2`. Skip the test where there is none."""
-    if (TOOLS / 'bin' / 'ros2').exists():
-        packages, = TOOLS.glob('lib/python3*/site-packages')
+PROGRAM = shutil.which('ros2', path=f'{TOOLS}/bin{os.pathsep}{os.environ["PATH"]}')
+if PROGRAM is None:
+    pytest.skip(MISSING, allow_module_level=True)
+
+
+def set_up(patch: pytest.MonkeyPatch) -> None:
+    """Put the tools in build/ros2, if they are there, into the environment."""
+    for packages in TOOLS.glob('lib/python3*/site-packages'):
         for name, path in (('PATH', TOOLS / 'bin'), ('PYTHONPATH', packages),
                            ('AMENT_PREFIX_PATH', TOOLS)):
             patch.setenv(name, str(path), prepend=os.pathsep)
-    found = shutil.which('ros2')
-    if found is None:
-        pytest.skip(MISSING)
-    return Path(found)
 
 
 def add_stand_ins(prefix: Path) -> None:
@@ -76,9 +80,10 @@ class Launch:
         return self._program.output
 
     def until(self, text: str, count: int = 1) -> None:
-        """Wait until it has printed a text so often."""
+        """Wait until it has printed a text so often, for each as long as for one program."""
         self._stage.ros.until(
-            lambda: self.output.count(text) >= count or not self._program.running(), text)
+            lambda: self.output.count(text) >= count or not self._program.running(), text,
+            within=count * TIMEOUT)
         assert self.output.count(text) >= count, self.output
 
     def pid(self, name: str) -> int:
@@ -109,12 +114,12 @@ class Launch:
 class Ros2:
     """A scene with the real tools, in a ROS domain of its own."""
 
-    def __init__(self, stage: Scene, program: Path, stand_ins: Path) -> None:
-        self.stage, self._program, self._stand_ins = stage, program, stand_ins
+    def __init__(self, stage: Scene, stand_ins: Path) -> None:
+        self.stage, self._stand_ins = stage, stand_ins
 
     def start(self, *words: str, terminal: bool = False) -> Program:
         """Start `ros2` with these words."""
-        return self.stage.script(self._program, *words, terminal=terminal)
+        return self.stage.script(Path(PROGRAM), *words, terminal=terminal)
 
     def run(self, *words: str, shows: Callable[[str], Any] = bool) -> str:
         """
@@ -137,11 +142,11 @@ class Ros2:
 
 @contextmanager
 def real_tools(folder: Path) -> Iterator[Ros2]:
-    """Yield the tools in a folder and ROS domain of their own; skip the test without them."""
+    """Yield the tools in a folder and ROS domain of their own."""
     with pytest.MonkeyPatch.context() as patch:
-        program = set_up(patch)
+        set_up(patch)
         add_stand_ins(folder / 'stand_ins')
         patch.setenv('AMENT_PREFIX_PATH', str(folder / 'stand_ins'), prepend=os.pathsep)
         patch.setenv('ROS_LOG_DIR', str(folder / 'log'))
         with scene(folder) as stage:
-            yield Ros2(stage, program, folder / 'stand_ins')
+            yield Ros2(stage, folder / 'stand_ins')
