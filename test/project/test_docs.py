@@ -4,6 +4,7 @@
 
 import ast
 from collections.abc import Iterator
+import json
 import os
 from pathlib import Path
 import re
@@ -12,6 +13,7 @@ import subprocess
 from create_oi_ros.ros.reference import POLICY, rewritten, TABLES
 import document
 from results import Figure, figures_of, keep, load, rows
+from support.pages import ros2_commands
 from support.source import modules, PACKAGE, parsed, ROOT
 
 MADE = {'build', 'install', 'log'}
@@ -119,6 +121,11 @@ def test_the_scripts_in_the_page_are_the_examples():
         text = (ROOT / 'examples' / name).read_text()
         program = re.sub(r'\A(#.*\n)+\n*', '', text)  # without copyright and licence
         assert f'```python\n{program}```' in INTERFACE
+
+
+def test_the_container_starts_what_the_pages_start():
+    command, = re.findall('^CMD (.*)', (ROOT / 'Dockerfile').read_text('utf-8'), re.MULTILINE)
+    assert tuple(json.loads(command)) in ros2_commands()
 
 
 def texts() -> str:
