@@ -12,6 +12,7 @@ from dataclasses import asdict
 from math import isnan
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from sensor_msgs.msg import BatteryState
 
 from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
@@ -123,8 +124,9 @@ def battery(health: Health, *, charge_known: bool) -> DiagnosticStatus:
     if not health.answered or not readings.has(
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status('battery', WARN, 'no robot answers', {})
-    state = messages.battery_state(readings, charge_known=charge_known)
-    charge, temperature = state['percentage'], state['temperature']
+    state = BatteryState()
+    messages.battery_state(state, readings, charge_known=charge_known)
+    charge, temperature = state.percentage, state.temperature
     level, message = _battery(readings, charge, temperature, health.battery)
     odd = {each: value for each, value in health.odd.items()
            if each in BATTERY or charge_known and each in CHARGE}
@@ -134,7 +136,7 @@ def battery(health: Health, *, charge_known: bool) -> DiagnosticStatus:
         level, message = WARN, f'not known: {_odd(odd)}, which no battery has'
     charging = readings.charging_state
     return status('battery', level, message, {
-        'voltage (V)': _known(state['voltage'], 3), 'current (A)': _known(state['current'], 3),
+        'voltage (V)': _known(state.voltage, 3), 'current (A)': _known(state.current, 3),
         'charge (%)': _known(100 * charge), 'temperature (C)': _known(temperature, 1),
         'charging': 'not known' if charging is None else charging.name.lower()})
 

@@ -3,8 +3,8 @@
 """
 Converts readings and estimates to ROS messages, and requests to the protocol's types. Pure.
 
-Units are SI here; nowhere else are they converted. A message that is published often is made once,
-by `empty...`; a function returns the values of its fields that change, by their paths in it.
+Units are SI here; nowhere else are they converted. A message that is published often is made once
+and filled again: `odometry(message, estimate)` sets the fields that change, for example.
 """
 
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from math import atan2, cos, nan, remainder, sin, tau
 from typing import Any
 
 from builtin_interfaces.msg import Duration, Time
+from create_oi_msgs import msg
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
@@ -25,7 +26,7 @@ from .. import oi
 from ..driver import ModeStatus
 from ..driver.events import NO_ROBOT
 from ..odometry import Estimate
-from ..oi import ChargingState, Infrared, Readings
+from ..oi import ChargingState, DigitalInputs, Infrared, Readings
 from ..robot import MILLI, MOST_CHARGE
 
 NANOSECONDS = 1_000_000_000
@@ -33,17 +34,16 @@ NOT_MEASURED = 1e6
 """Variance of axes that are not measured: height, roll, pitch, and speeds along them."""
 SIDEWAYS = 1e-4
 """Variance of the speed sideways, (m/s)²: wheels do not move sideways, but a robot slips."""
-POSE_AXES, TWIST_AXES = (0, 1, 5), (0, 5)
-"""Indices of x, y, yaw, and of forward and turning speed, among the six axes of ROS."""
-POSE_COVARIANCE = tuple(
-    f'pose.covariance[{6 * row + column}]' for row in POSE_AXES for column in POSE_AXES)
-"""The covariance of x, y and yaw, row by row."""
-TWIST_COVARIANCE = tuple(f'twist.covariance[{7 * axis}]' for axis in TWIST_AXES)
-"""The variances of the speeds."""
+X, Y, YAW = 0, 1, 5
+"""Their places among the six axes of ROS; the same of the speeds along them."""
+POSE_COVARIANCE = [6 * row + column for row in (X, Y, YAW) for column in (X, Y, YAW)]
+"""Where ROS's covariance has that of x, y and yaw, row by row."""
+TWIST_VARIANCES = [7 * X, 7 * YAW]
+"""Where it has the variances of forward and turning speed."""
 UNKNOWN_CODE, UNKNOWN_SIGNAL = Mode.UNKNOWN, 0xffff
 """A code and a signal that are not known, in fields that have no NaN: no robot has them."""
 Values = dict[str, Any]
-"""Values of fields of a message, by their paths in it, such as `pose.covariance[7]`."""
+"""Values of fields of a message, by their names."""
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
 
 
@@ -92,63 +92,59 @@ def empty_imu(base_frame: str) -> Imu:
     return message
 
 
-def imu(estimate: Estimate) -> Values:
-    """Return the turn rate of an estimate that has one, and its variance (REP 145)."""
+def imu(message: Imu, estimate: Estimate) -> None:
+    """Set the turn rate of an estimate that has one, and its variance (REP 145)."""
     assert estimate.gyro is not None, 'the caller looks'
-    rate, variance = estimate.gyro
-    return {'angular_velocity.z': rate, 'angular_velocity_covariance[8]': variance}
+    message.angular_velocity.z, message.angular_velocity_covariance[8] = estimate.gyro
 
 
-def odometry(estimate: Estimate) -> Values:
-    """Return pose in the header's frame, and twist in the base frame (REP 105, 103)."""
-    z, w = of_yaw(estimate.yaw)
-    return {
-        'pose.pose.position.x': estimate.x, 'pose.pose.position.y': estimate.y,
-        'pose.pose.orientation.z': z, 'pose.pose.orientation.w': w,
-        **dict(zip(POSE_COVARIANCE, estimate.pose_covariance)),
-        'twist.twist.linear.x': estimate.linear, 'twist.twist.angular.z': estimate.angular,
-        **dict(zip(TWIST_COVARIANCE, estimate.twist_covariance))}
+def odometry(message: Odometry, estimate: Estimate) -> None:
+    """Set pose in the header's frame, and twist in the base frame (REP 105, 103)."""
+    pose, twist = message.pose.pose, message.twist.twist
+    pose.position.x, pose.position.y = estimate.x, estimate.y
+    pose.orientation.z, pose.orientation.w = of_yaw(estimate.yaw)
+    message.pose.covariance[POSE_COVARIANCE] = estimate.pose_covariance
+    twist.linear.x, twist.angular.z = estimate.linear, estimate.angular
+    message.twist.covariance[TWIST_VARIANCES] = estimate.twist_covariance
 
 
-def transforms(estimate: Estimate) -> Values:
-    """Return the only transform: from the header's frame to the base."""
-    z, w = of_yaw(estimate.yaw)
-    return {
-        'transforms[0].transform.translation.x': estimate.x,
-        'transforms[0].transform.translation.y': estimate.y,
-        'transforms[0].transform.rotation.z': z, 'transforms[0].transform.rotation.w': w}
+def transforms(message: TFMessage, estimate: Estimate) -> None:
+    """Set the only transform: from the header's frame to the base."""
+    moved = message.transforms[0].transform
+    moved.translation.x, moved.translation.y = estimate.x, estimate.y
+    moved.rotation.z, moved.rotation.w = of_yaw(estimate.yaw)
 
 
-def joint_states(estimate: Estimate) -> Values:
-    """Return the measured angles, rad, and speeds, rad/s, of the wheels, the left one first."""
-    return {
-        'position[0]': estimate.left_wheel, 'position[1]': estimate.right_wheel,
-        'velocity[0]': estimate.left_wheel_speed, 'velocity[1]': estimate.right_wheel_speed}
+def joint_states(message: JointState, estimate: Estimate) -> None:
+    """Set the measured angles, rad, and speeds, rad/s, of the wheels, the left one first."""
+    position, velocity = message.position, message.velocity
+    position[0], position[1] = estimate.left_wheel, estimate.right_wheel
+    velocity[0], velocity[1] = estimate.left_wheel_speed, estimate.right_wheel_speed
 
 
-def flags(field: str, kind: type[IntFlag], prefix: str = '') -> Callable[[Readings], Values]:
-    """Return a function from readings to flags: which bits of a field are set, by their names."""
+def flags(field: str, kind: type[IntFlag], prefix: str = '') -> Callable[[Any, Readings], None]:
+    """Return a function that sets flags of a message: which bits of a reading are set."""
     bits = {bit.name.removeprefix(prefix).lower(): int(bit)
             for bit in kind if bit.name is not None and bit.name.startswith(prefix)}
-    return lambda readings: {
-        name: readings.number(field, 0) & bit != 0 for name, bit in bits.items()}
+
+    def fill(message: Any, readings: Readings) -> None:
+        for name, bit in bits.items():
+            setattr(message, name, readings.number(field, 0) & bit != 0)
+    return fill
 
 
 bumper = flags('bumps_and_wheel_drops', oi.BumpsAndWheelDrops, 'BUMP_')
 wheel_drop = flags('bumps_and_wheel_drops', oi.BumpsAndWheelDrops, 'WHEEL_DROP_')
 buttons = flags('buttons', oi.Buttons)
 overcurrent = flags('overcurrents', oi.Overcurrents)
-digital_inputs = flags('digital_inputs', oi.DigitalInputs)
 charging_sources = flags('charging_sources', oi.ChargingSources)
 
 
-def cliff(readings: Readings) -> Values:
-    """Return the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
-    return {
-        'left': readings.cliff_left, 'front_left': readings.cliff_front_left,
-        'front_right': readings.cliff_front_right, 'right': readings.cliff_right,
-        **{f'{side}_signal': readings.number(f'cliff_{side}_signal', UNKNOWN_SIGNAL)
-           for side in ('left', 'front_left', 'front_right', 'right')}}
+def cliff(message: msg.Cliff, readings: Readings) -> None:
+    """Set the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
+    for side in ('left', 'front_left', 'front_right', 'right'):
+        setattr(message, side, readings.number(f'cliff_{side}', 0) != 0)
+        setattr(message, f'{side}_signal', readings.number(f'cliff_{side}_signal', UNKNOWN_SIGNAL))
 
 
 CHARGING: dict[ChargingState | None, int] = {
@@ -162,34 +158,34 @@ CHARGING: dict[ChargingState | None, int] = {
 """Power supply status of a charging state; any other state is discharging."""
 
 
-def battery_state(readings: Readings, *, charge_known: bool = True) -> Values:
+def battery_state(message: BatteryState, readings: Readings, *, charge_known: bool = True) -> None:
     """
-    Return the battery (packets 21 to 26 and 34); unknown values are NaN, as the message asks.
+    Set the battery (packets 21 to 26 and 34); unknown values are NaN, as the message asks.
 
     The charge of the alkaline pack is not known (manual: Battery Charge). Real robots may report
     a charge a little above the capacity, and a capacity of 0; far above, the charge is not known.
     """
-    status = CHARGING.get(readings.charging_state, BatteryState.POWER_SUPPLY_STATUS_DISCHARGING)
-    if readings.charging_state == ChargingState.NOT_CHARGING and readings.charging_sources:
-        status = BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING
-    faulty = readings.charging_state == ChargingState.FAULT
+    state, degrees = readings.charging_state, readings.battery_temperature
     charge, capacity = nan, nan
     if charge_known and readings.battery_capacity:
         charge = _milli(readings.battery_charge)
         capacity = readings.battery_capacity * MILLI
         if charge > MOST_CHARGE * capacity:
             charge = nan
-    health = (BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if faulty
-              else BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN)
-    technology = (BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
-                  else BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN)
-    degrees = readings.battery_temperature
-    return {
-        'present': True, 'voltage': _milli(readings.voltage), 'current': _milli(readings.current),
-        'temperature': nan if degrees is None else float(degrees),
-        'charge': charge, 'capacity': capacity, 'design_capacity': nan,
-        'percentage': min(charge / capacity, 1.0), 'power_supply_status': status,
-        'power_supply_health': health, 'power_supply_technology': technology}
+    message.present = True
+    message.voltage, message.current = _milli(readings.voltage), _milli(readings.current)
+    message.temperature = nan if degrees is None else float(degrees)
+    message.charge, message.capacity, message.design_capacity = charge, capacity, nan
+    message.percentage = min(charge / capacity, 1.0)
+    message.power_supply_status = CHARGING.get(state, message.POWER_SUPPLY_STATUS_DISCHARGING)
+    if state == ChargingState.NOT_CHARGING and readings.charging_sources:
+        message.power_supply_status = message.POWER_SUPPLY_STATUS_NOT_CHARGING
+    message.power_supply_health = (
+        message.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if state == ChargingState.FAULT
+        else message.POWER_SUPPLY_HEALTH_UNKNOWN)
+    message.power_supply_technology = (
+        message.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
+        else message.POWER_SUPPLY_TECHNOLOGY_UNKNOWN)
 
 
 def _milli(thousandths: int | None) -> float:
@@ -219,36 +215,39 @@ def charging_name(code: int) -> str:
     return ChargingState(code).name.lower().replace('_', ' ')
 
 
-def wall(readings: Readings) -> Values:
-    """Return the wall sensor and the virtual wall (packets 8, 13 and 27)."""
-    return {'wall': readings.wall, 'virtual_wall': readings.virtual_wall,
-            'signal': readings.number('wall_signal', UNKNOWN_SIGNAL)}
+def wall(message: msg.Wall, readings: Readings) -> None:
+    """Set the wall sensor and the virtual wall (packets 8, 13 and 27)."""
+    message.wall, message.virtual_wall = readings.wall, readings.virtual_wall
+    message.signal = readings.number('wall_signal', UNKNOWN_SIGNAL)
 
 
-def ir_omni(readings: Readings) -> Values:
-    """Return the infrared character and its name (packet 17)."""
-    character = readings.infrared
-    name = Infrared(character).name.lower() if character in list(Infrared) else ''
-    return {'character': character, 'name': name}
+def ir_omni(message: msg.IrOmni, readings: Readings) -> None:
+    """Set the infrared character and its name (packet 17)."""
+    message.character = character = readings.infrared
+    message.name = Infrared(character).name.lower() if character in list(Infrared) else ''
 
 
-def charging(readings: Readings) -> Values:
-    """Return the charging state and the sources (packets 21 and 34)."""
-    return {'state': readings.number('charging_state', UNKNOWN_CODE), **charging_sources(readings)}
+def charging(message: msg.Charging, readings: Readings) -> None:
+    """Set the charging state and the sources (packets 21 and 34)."""
+    message.state = readings.number('charging_state', UNKNOWN_CODE)
+    charging_sources(message, readings)
 
 
-def song(readings: Readings) -> Values:
-    """Return the number of the song and whether it plays (packets 36 and 37)."""
-    return {'number': readings.number('song_number', UNKNOWN_CODE),
-            'playing': readings.song_playing}
+def song(message: msg.Song, readings: Readings) -> None:
+    """Set the number of the song and whether it plays (packets 36 and 37)."""
+    message.number = readings.number('song_number', UNKNOWN_CODE)
+    message.playing = readings.song_playing
 
 
-def cargo_bay(readings: Readings) -> Values:
-    """Return the inputs of the cargo bay connector (packets 32 and 33)."""
-    values = digital_inputs(readings)
-    values['baud_rate_pin'] = values.pop('baud_rate_change')
-    values['analog'] = readings.analog_volts
-    return values
+def cargo_bay(message: msg.CargoBay, readings: Readings) -> None:
+    """Set the inputs of the cargo bay connector (packets 32 and 33)."""
+    inputs = readings.digital_inputs
+    message.input_0 = DigitalInputs.INPUT_0 in inputs
+    message.input_1 = DigitalInputs.INPUT_1 in inputs
+    message.input_2 = DigitalInputs.INPUT_2 in inputs
+    message.input_3 = DigitalInputs.INPUT_3 in inputs
+    message.baud_rate_pin = DigitalInputs.BAUD_RATE_CHANGE in inputs
+    message.analog = readings.analog_volts
 
 
 def nanoseconds(stamp: Time) -> int:

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Publishes frames: one message for each topic, made once and filled again, as bytes.
+Publishes frames: one message for each topic, made once and filled again.
 
 A topic without subscribers is not published; how many there are is checked ten times a second.
 Changes of latched topics are always published, for subscribers that come later.
@@ -14,12 +14,12 @@ import struct
 import time
 from typing import Any
 
+from builtin_interfaces.msg import Time as Stamp
 from create_oi_msgs.msg import CargoBay
 from rclpy.clock import JumpThreshold, ROSClock
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
-from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.time import Time
 from sensor_msgs.msg import BatteryState, PointCloud2, PointField
 from std_msgs.msg import Header
@@ -29,9 +29,7 @@ from ..driver.contacts import Contacts
 from ..oi import Readings
 from ..robot import SLOT
 from . import messages, topics
-from .messages import Values
 from .parameters import Parameters
-from .serialized import SerializedMessage, set_fields
 from .topics import SensorTopic, Topic
 
 CHECK_INTERVAL = 0.1
@@ -48,24 +46,6 @@ EARLY = SLOT / 2
 
 def publisher(node: Node, topic: Topic) -> Publisher:
     return node.create_publisher(topic.type, topic.name, topic.qos)
-
-
-def encoder(log: Any, message: Any, example: Values) -> Callable[[Values], Any]:
-    """
-    Return a function from the values of a message's fields to what `Publisher.publish` takes.
-
-    That is bytes, which take rclpy less time than an object. It is the object where text changes,
-    or where the middleware serializes in another way than this package knows.
-    """
-    if not any(isinstance(value, str) for value in example.values()):
-        try:
-            return SerializedMessage(message, example, serialize_message, deserialize_message)
-        except ValueError as error:
-            log.warning(
-                f'{type(message).__name__}: {error}. It is published as an object instead, which '
-                'takes more processor time; please report it, with the versions of ROS and of '
-                'its middleware')
-    return lambda values: set_fields(message, values)
 
 
 class StampClock:
@@ -142,30 +122,23 @@ class Pace:
 class FrameTopic:
     """Publishes one topic: its message, filled from a frame."""
 
-    def __init__(self, node: Node, topic: Topic, message: Any, values: Callable[[Any], Values], *,
-                 header: str = 'header') -> None:
+    def __init__(self, node: Node, topic: Topic, message: Any, stamp: Stamp,
+                 fill: Callable[[Any, Any], None]) -> None:
         """
         Create the publisher.
 
-        `values` returns those of the message from an estimate or readings; `header` is the path
-        of its header.
+        `stamp` is the message's own; `fill` sets its other fields from an estimate or readings.
         """
         self.publisher = publisher(node, topic)
-        self._log = node.get_logger()
-        self._message = message
-        self._values = values
-        self._seconds, self._nanoseconds = f'{header}.stamp.sec', f'{header}.stamp.nanosec'
-        self._encode: Callable[[Values], Any] | None = None
+        self._message, self._stamp, self._fill = message, stamp, fill
         self.heard = False
         """Whether there are subscribers."""
 
     def publish(self, stamp: int, source: Any) -> None:
         """Publish the message of an estimate or of readings with this stamp, ns."""
-        values = self._values(source)
-        values[self._seconds], values[self._nanoseconds] = divmod(stamp, messages.NANOSECONDS)
-        if self._encode is None:
-            self._encode = encoder(self._log, self._message, values)
-        self.publisher.publish(self._encode(values))
+        self._stamp.sec, self._stamp.nanosec = divmod(stamp, messages.NANOSECONDS)
+        self._fill(self._message, source)
+        self.publisher.publish(self._message)
 
 
 class SensorFrameTopic(FrameTopic):
@@ -175,11 +148,10 @@ class SensorFrameTopic(FrameTopic):
         message = topic.type(header=Header(frame_id=parameters.base_frame))
         if topic.type is CargoBay:
             message.input_names = list(parameters.input_names)
-        values = topic.values
+        fill = topic.fill
         if topic.type is BatteryState:
-            values = partial(
-                messages.battery_state, charge_known=parameters.charge_known)
-        super().__init__(node, topic, message, values)
+            fill = partial(messages.battery_state, charge_known=parameters.charge_known)
+        super().__init__(node, topic, message, message.header.stamp, fill)
         self.topic = topic
         self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._watched = Readings.numbers(*topic.watch)
@@ -213,16 +185,19 @@ class FramePublisher:
     def __init__(self, node: Node, parameters: Parameters) -> None:
         self.stamps = StampClock(node)
         frames = parameters.odom_frame, parameters.base_frame
+        odom, joints = messages.empty_odometry(*frames), messages.empty_joint_states()
         self._motion = [FrameTopic(
-            node, topics.ODOM, messages.empty_odometry(*frames), messages.odometry)]
+            node, topics.ODOM, odom, odom.header.stamp, messages.odometry)]
         if parameters.publish_tf:
+            moved = messages.empty_transforms(*frames)
             self._motion.append(FrameTopic(
-                node, topics.TF, messages.empty_transforms(*frames), messages.transforms,
-                header='transforms[0].header'))
+                node, topics.TF, moved, moved.transforms[0].header.stamp, messages.transforms))
         self._motion.append(FrameTopic(
-            node, topics.JOINT_STATES, messages.empty_joint_states(), messages.joint_states))
-        self._imu = None if parameters.gyro == 'none' else FrameTopic(
-            node, topics.IMU, messages.empty_imu(parameters.base_frame), messages.imu)
+            node, topics.JOINT_STATES, joints, joints.header.stamp, messages.joint_states))
+        self._imu: FrameTopic | None = None
+        if parameters.gyro != 'none':
+            imu = messages.empty_imu(parameters.base_frame)
+            self._imu = FrameTopic(node, topics.IMU, imu, imu.header.stamp, messages.imu)
         self._sensors = [SensorFrameTopic(node, topic, parameters)
                          for topic in topics.SENSOR_TOPICS]
         self._watched = Readings.numbers(

@@ -24,7 +24,6 @@ from ..driver.contacts import CLIFFS
 from ..driver.motion import BUMPS
 from ..oi import Readings
 from . import messages
-from .messages import Values
 
 RELIABLE = QoSProfile(depth=10)
 TRANSFORMS = QoSProfile(depth=100)
@@ -59,8 +58,8 @@ class SensorTopic(Topic):
     """More readings that must have arrived before the first message."""
     bits: int | None = None
     """Bits of the only watched reading that count; None: all."""
-    values: Callable[[Readings], Values]
-    """Returns all fields of a message but its header."""
+    fill: Callable[[Any, Readings], None]
+    """Sets all fields of a message but its header."""
     period: float | None = None
     """Seconds between two messages while nothing changes; None: at `sensor_rate`."""
 
@@ -99,48 +98,48 @@ CONTACTS = Topic(
 
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
-        name='bumper', type=msg.Bumper, values=messages.bumper,
+        name='bumper', type=msg.Bumper, fill=messages.bumper,
         watch=('bumps_and_wheel_drops',), bits=BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
-        name='wheel_drop', type=msg.WheelDrop, values=messages.wheel_drop,
+        name='wheel_drop', type=msg.WheelDrop, fill=messages.wheel_drop,
         watch=('bumps_and_wheel_drops',), bits=~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
-        name='cliff', type=msg.Cliff, values=messages.cliff,
+        name='cliff', type=msg.Cliff, fill=messages.cliff,
         watch=CLIFFS, needs=tuple(f'{name}_signal' for name in CLIFFS),
         about='the four cliff sensors, with signal strengths (65535: not known)'),
     SensorTopic(
-        name='wall', type=msg.Wall, values=messages.wall,
+        name='wall', type=msg.Wall, fill=messages.wall,
         watch=('wall', 'virtual_wall'), needs=('wall_signal',),
         about='the wall sensor on the right, with its signal strength (65535: not known), and '
         'virtual walls'),
     SensorTopic(
-        name='cargo_bay', type=msg.CargoBay, values=messages.cargo_bay, qos=LATCHED,
+        name='cargo_bay', type=msg.CargoBay, fill=messages.cargo_bay, qos=LATCHED,
         watch=('digital_inputs',), needs=('analog_signal',),
         when='on change at once, else at `sensor_rate`; latched',
         about='digital inputs, analog input in volts (NaN: not known), baud rate pin'),
     StateTopic(
-        name='buttons', type=msg.Buttons, values=messages.buttons, watch=('buttons',),
+        name='buttons', type=msg.Buttons, fill=messages.buttons, watch=('buttons',),
         about='Play and Advance'),
     StateTopic(
-        name='ir_omni', type=msg.IrOmni, values=messages.ir_omni, watch=('infrared',),
+        name='ir_omni', type=msg.IrOmni, fill=messages.ir_omni, watch=('infrared',),
         about='infrared character that is received, with its name'),
     StateTopic(
-        name='charging', type=msg.Charging, values=messages.charging,
+        name='charging', type=msg.Charging, fill=messages.charging,
         watch=('charging_state', 'charging_sources'),
         about='charging state (255: not known), charger and Home Base'),
     StateTopic(
-        name='overcurrent', type=msg.Overcurrent, values=messages.overcurrent,
+        name='overcurrent', type=msg.Overcurrent, fill=messages.overcurrent,
         watch=('overcurrents',),
         about='wheels and low side drivers that draw too much'),
     StateTopic(
-        name='song', type=msg.Song, values=messages.song,
+        name='song', type=msg.Song, fill=messages.song,
         watch=('song_number', 'song_playing'),
         about='the song that plays, or played last (255: not known)'),
     SensorTopic(
         name='battery_state', type=BatteryState, period=1.0,
-        values=messages.battery_state,
+        fill=messages.battery_state,
         watch=('charging_state', 'charging_sources'),
         needs=('voltage', 'current', 'battery_temperature', 'battery_charge', 'battery_capacity'),
         when='1 Hz, and when the charging state changes',

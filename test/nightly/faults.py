@@ -331,8 +331,8 @@ from create_oi_ros.ros import messages, programs
 def fail(*_):
     raise RuntimeError('a fault on purpose')
 bumper = messages.bumper
-messages.bumper = lambda readings: (
-    fail() if readings.bumps_and_wheel_drops else bumper(readings))
+messages.bumper = lambda message, readings: (
+    fail() if readings.bumps_and_wheel_drops else bumper(message, readings))
 from create_oi_ros.ros.velocity import VelocityInput
 take = VelocityInput._take
 VelocityInput._take = lambda commands, message, info: (

@@ -6,10 +6,13 @@ from copy import copy
 from dataclasses import replace
 from itertools import cycle
 from math import isnan
+from typing import Any
 
+from create_oi_msgs import msg
 from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticStatus
 import pytest
+from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
 from create_oi_ros import oi
@@ -17,6 +20,7 @@ from create_oi_ros.driver import LinkCounts, Settings
 from create_oi_ros.odometry import GyroState
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.ros import diagnostics, messages
+from create_oi_ros.ros.topics import SENSOR_TOPICS
 from support.loop import Loop
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -124,7 +128,17 @@ def test_what_no_battery_has_is_not_known_and_a_warning(loop, forged, says, unkn
     assert 'not known' in [each.value for each in status.values]
     assert levels(loop)['serial link'] == OK
     readings = loop.driver.health(loop.now).readings
-    assert isnan(messages.battery_state(readings, charge_known=True)[unknown])
+    battery = BatteryState()
+    messages.battery_state(battery, readings)
+    assert isnan(getattr(battery, unknown))
+
+
+def filled(readings: oi.Readings, *types: type) -> list[Any]:
+    """Return the messages of these types that are made of readings."""
+    made = [(type_(), topic) for type_ in types for topic in SENSOR_TOPICS if topic.type is type_]
+    for message, topic in made:
+        topic.fill(message, readings)
+    return [message for message, _ in made]
 
 
 def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
@@ -143,17 +157,17 @@ def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
     mode = messages.mode(health.mode, Header())
     assert mode.mode == Mode.UNKNOWN and messages.mode_name(mode.mode, mode.reason) == 'UNKNOWN'
     readings = health.readings
-    cliff = messages.cliff(readings)
-    assert (cliff['left_signal'], cliff['front_left_signal']) == (
+    cliff, song, bay, buttons = filled(readings, msg.Cliff, msg.Song, msg.CargoBay, msg.Buttons)
+    assert (cliff.left_signal, cliff.front_left_signal) == (
         65535, readings.cliff_front_left_signal)
-    assert messages.song(readings) == {'number': 255, 'playing': False}
-    assert isnan(messages.cargo_bay(readings)['analog'])
-    assert messages.buttons(readings) == {'play': True, 'advance': False}
+    assert song == msg.Song(number=255)
+    assert isnan(bay.analog)
+    assert buttons == msg.Buttons(play=True)
     loop.forged = {'charging_state': 6}
     loop.run(0.2)
     loop.drive(0.1, 0.0, 1.0)
-    readings = loop.driver.health(loop.now).readings
-    assert messages.charging(readings)['state'] == 255
+    charging, = filled(loop.driver.health(loop.now).readings, msg.Charging)
+    assert charging.state == 255
     assert messages.charging_name(255) == 'not known'
     assert all_of(loop)['battery'].level == WARN
 

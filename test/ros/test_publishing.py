@@ -1,0 +1,218 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is published for a frame: the values, the order of the topics, and the rates."""
+
+from math import isnan, pi, sqrt
+from typing import Any
+
+from create_oi_msgs.msg import Bumper, CargoBay, Charging, Cliff, IrOmni, Song, Wall
+from nav_msgs.msg import Odometry
+import pytest
+from rclpy.parameter import Parameter
+from rclpy.time import Time
+from sensor_msgs.msg import BatteryState, Imu, JointState
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Moved
+from create_oi_ros.driver.stream import ALL
+from create_oi_ros.odometry import Estimate
+from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.publishing import FramePublisher, FrameTopic
+from create_oi_ros.ros.topics import ALL_TOPICS, SENSOR_TOPICS
+from support.ros import Scene
+from tf2_msgs.msg import TFMessage
+
+QUIET = dict.fromkeys(ALL, 0)
+FULL = QUIET | {
+    'infrared': 137, 'bumps_and_wheel_drops': 0b10110, 'buttons': 4, 'overcurrents': 0b10001,
+    'wall': 1, 'wall_signal': 4000, 'virtual_wall': 1,
+    'cliff_front_left': 1, 'cliff_front_left_signal': 17, 'digital_inputs': 0b10101,
+    'analog_signal': 1023, 'charging_state': 2, 'charging_sources': 2, 'song_number': 3,
+    'song_playing': 1, 'voltage': 16234, 'current': -512, 'battery_temperature': 21,
+    'battery_charge': 1300, 'battery_capacity': 2600}
+PERIOD = 0.2
+
+
+def arrived(stage: Scene, moved: Moved, *types: type) -> list[Any]:
+    """Publish a frame until a message of each type has arrived; return the newest."""
+    names = {topic.type: topic.name for topic in ALL_TOPICS}
+    heard = [stage.ros.listen(each, names[each]) for each in types]
+    publisher = FramePublisher(stage.ros.node, Parameters(gyro='analog'))
+
+    def all_arrived() -> bool:
+        nonlocal moved
+        moved = moved._replace(stamp=moved.stamp + oi.SLOT)
+        publisher.publish(moved, oi.SLOT, 0.0)
+        return all(heard)
+    stage.ros.until(all_arrived, 'a message of each')
+    return [each[-1] for each in heard]
+
+
+def test_pose_speed_and_covariances_have_their_places_and_the_rest_is_not_measured(stage):
+    estimate = Estimate(
+        x=1.5, y=-2.25, yaw=pi / 2, linear=0.125, angular=-0.75,
+        pose_covariance=(0.1, 0.2, 0.3, 0.2, 0.5, 0.6, 0.3, 0.6, 0.9),
+        twist_covariance=(0.01, 0.02), left_wheel=11.0, right_wheel=12.0,
+        left_wheel_speed=0.5, right_wheel_speed=0.25, gyro=(0.375, 0.0625))
+    odom, tf, joints, imu = arrived(
+        stage, Moved(0.0, oi.Readings(QUIET), estimate), Odometry, TFMessage, JointState, Imu)
+    half, most = pytest.approx(sqrt(0.5)), 1e6
+    pose, twist = odom.pose.pose, odom.twist.twist
+    assert (odom.header.frame_id, odom.child_frame_id) == ('odom', 'base_footprint')
+    assert (pose.position.x, pose.position.y, pose.position.z) == (1.5, -2.25, 0.0)
+    assert (pose.orientation.z, pose.orientation.w) == (half, half)
+    assert (twist.linear.x, twist.linear.y, twist.angular.z) == (0.125, 0.0, -0.75)
+    assert list(odom.pose.covariance) == [
+        0.1, 0.2, 0.0, 0.0, 0.0, 0.3,
+        0.2, 0.5, 0.0, 0.0, 0.0, 0.6,
+        0.0, 0.0, most, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, most, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, most, 0.0,
+        0.3, 0.6, 0.0, 0.0, 0.0, 0.9]
+    assert {place: each for place, each in enumerate(odom.twist.covariance) if each} == {
+        0: 0.01, 7: 1e-4, 14: most, 21: most, 28: most, 35: 0.02}
+    moved = tf.transforms[0]
+    assert (moved.header.frame_id, moved.child_frame_id) == ('odom', 'base_footprint')
+    assert moved.header.stamp.sec > 0
+    assert (moved.transform.translation.x, moved.transform.translation.y) == (1.5, -2.25)
+    assert (moved.transform.rotation.z, moved.transform.rotation.w) == (half, half)
+    assert joints.name == ['left_wheel_joint', 'right_wheel_joint']
+    assert (list(joints.position), list(joints.velocity)) == ([11.0, 12.0], [0.5, 0.25])
+    assert (imu.angular_velocity.z, imu.angular_velocity_covariance[8]) == (0.375, 0.0625)
+
+
+def test_every_reading_has_its_field(stage):
+    kinds = IrOmni, Wall, Cliff, CargoBay, Charging, Song, BatteryState, Bumper
+    beam, wall, cliff, bay, charging, song, battery, bumper = arrived(
+        stage, Moved(0.0, oi.Readings(FULL), Estimate()), *kinds)
+    assert (beam.character, beam.name) == (137, 'remote_pause')
+    assert (wall.wall, wall.virtual_wall, wall.signal) == (True, True, 4000)
+    assert (cliff.left, cliff.front_left, cliff.front_left_signal) == (False, True, 17)
+    assert [bay.input_0, bay.input_1, bay.input_2, bay.input_3] == [True, False, True, False]
+    assert bay.baud_rate_pin and bay.analog == 5
+    assert (charging.state, charging.home_base, charging.internal_charger) == (2, True, False)
+    assert (song.number, song.playing) == (3, True)
+    assert (battery.voltage, battery.current) == pytest.approx((16.234, -0.512))
+    assert battery.percentage == 0.5 and isnan(battery.design_capacity)
+    assert (bumper.left, bumper.right) == (True, False)
+
+
+@pytest.mark.parametrize('topic', SENSOR_TOPICS, ids=lambda topic: topic.name)
+@pytest.mark.parametrize('unknown', [0, None])
+def test_a_message_that_is_filled_again_keeps_nothing_of_the_frame_before(topic, unknown):
+    later = oi.Readings.of_fields({
+        name: unknown if name.endswith(('_signal', '_charge')) else 0 for name in FULL})
+    again, once = topic.type(), topic.type()
+    topic.fill(again, oi.Readings(FULL))
+    assert str(again) != str(once), 'it has something to keep'
+    topic.fill(again, later)
+    topic.fill(once, later)
+    assert str(again) == str(once)  # NaN does not equal itself
+
+
+class Frames:
+    """Publishes frames one by one, a slot apart, and collects the topics of each."""
+
+    def __init__(self, stage, monkeypatch) -> None:
+        for topic in (Odometry, 'odom'), (Bumper, 'bumper'), (Cliff, 'cliff'):
+            stage.ros.listen(*topic)
+        self._slot = 0
+        self.motion_period = 0.0
+        self._told: list[str] = []
+        publish = FrameTopic.publish
+
+        def tell(topic: FrameTopic, *frame: Any) -> None:
+            self._told.append(topic.publisher.msg_type.__name__)
+            publish(topic, *frame)
+        monkeypatch.setattr(FrameTopic, 'publish', tell)
+        self.publisher = FramePublisher(stage.ros.node, Parameters())
+        stage.ros.until(lambda: {'Odometry', 'Bumper', 'Cliff'} <= set(self.next()))
+
+    @property
+    def stamp(self) -> float:
+        """Stamp of the newest frame, s."""
+        return self._slot * oi.SLOT
+
+    def next(self, **readings: int) -> list[str]:
+        """Return the topics of a frame, in order; readings that are not given are zero."""
+        self._told.clear()
+        self._slot += 1
+        self.nanoseconds = self.publisher.publish(
+            Moved(self.stamp, oi.Readings(QUIET | readings), Estimate()),
+            PERIOD, self.motion_period)
+        return self._told
+
+    def quiet(self) -> None:
+        """Publish frames until the periodic sensor topics have just been published."""
+        while 'Bumper' not in self.next():
+            pass
+
+
+@pytest.fixture
+def frames(stage, monkeypatch):
+    """Return frames after one in which every topic was published."""
+    return Frames(stage, monkeypatch)
+
+
+def test_a_change_comes_before_the_odometry_and_at_once(frames):
+    frames.quiet()
+    assert frames.next() == ['Odometry']
+    assert frames.next(bumps_and_wheel_drops=1) == ['Bumper', 'Odometry']
+    assert frames.next(bumps_and_wheel_drops=1) == ['Odometry']
+    frames.quiet()
+    assert frames.next(cliff_left=1) == ['Cliff', 'Odometry']
+    assert frames.next(cliff_left=1, song_playing=1) == ['Song', 'Odometry']
+    assert frames.next() == ['Cliff', 'Song', 'Odometry']
+
+
+def test_what_is_due_again_comes_behind_the_odometry_in_its_period(frames):
+    frames.quiet()
+    told = [list(frames.next()) for _ in range(200)]
+    assert all(names[0] == 'Odometry' for names in told)
+    for name in ('Bumper', 'Cliff'):
+        assert sum(name in names for names in told) == round(200 * oi.SLOT / PERIOD)
+
+
+def test_a_topic_that_changes_in_each_frame_comes_once_and_delays_no_other(frames):
+    frames.quiet()
+    told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(200)]
+    assert all(names.count('Bumper') == 1 for names in told)
+    assert sum('Cliff' in names for names in told) == round(200 * oi.SLOT / PERIOD)
+
+
+@pytest.mark.parametrize('rate', [20, 66])
+def test_with_odom_rate_odometry_comes_at_its_rate_and_changes_at_once(frames, rate):
+    frames.motion_period = 1 / rate
+    frames.quiet()
+    told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(1000)]
+    assert all(names[0] == 'Bumper' for names in told)
+    assert sum('Odometry' in names for names in told) == pytest.approx(
+        1000 * oi.SLOT * rate, abs=1)
+
+
+def test_with_a_simulated_clock_stamps_are_its_time_at_any_speed(frames, stage, capfd):
+    stage.ros.node.set_parameters([Parameter('use_sim_time', value=True)])
+    assert (frames.next(bumps_and_wheel_drops=1), frames.nanoseconds) == ([], None)
+    clock = stage.ros.node.get_clock()
+    stamps = []
+    for speed in (1.0, 0.5, 2.0):
+        for _ in range(100):
+            clock.set_ros_time_override(Time(nanoseconds=clock.now().nanoseconds + round(
+                speed * oi.SLOT * 1e9)))
+            assert 'Odometry' in frames.next()
+            assert frames.nanoseconds == clock.now().nanoseconds
+            stamps.append(frames.nanoseconds)
+    assert stamps == sorted(set(stamps))
+    # It stands: only changes; it starts again: that is said.
+    assert [list(frames.next()) for _ in range(100)] == [[]] * 100
+    assert frames.next(bumps_and_wheel_drops=2) == ['Bumper']
+    clock.set_ros_time_override(Time(nanoseconds=5))
+    assert 'Odometry' in frames.next()
+    assert frames.nanoseconds == 5
+    assert 'the clock went back by 5.2' in capfd.readouterr().err
+
+
+def test_only_what_is_heard_or_latched_is_published(frames):
+    told = {name for wall in range(40) for name in frames.next(wall=wall % 2, buttons=wall % 2)}
+    assert {'Odometry', 'Bumper', 'Cliff', 'Buttons'} <= told
+    assert not told & {'Wall', 'WheelDrop', 'JointState', 'TFMessage', 'BatteryState'}
