@@ -189,8 +189,7 @@ ACTIONS = (
             goal.max_translation_speed, goal.max_rotation_speed, allowance(goal)),
         feedback=phase_left),
     Action(
-        name='dock', type=Dock, about='look for the Home Base and charge there; '
-        'the service `dock` only starts to',
+        name='dock', type=Dock, about='look for the Home Base and charge there',
         make=lambda goal: goals.Dock(allowance(goal)), feedback=dock_seen,
         result=lambda goal: {**goal_result(goal), 'is_docked': goal.outcome.docked}),
     Action(

@@ -40,8 +40,6 @@ POSE_COVARIANCE = [6 * row + column for row in (X, Y, YAW) for column in (X, Y, 
 """Where ROS's covariance has that of x, y and yaw, row by row."""
 TWIST_VARIANCES = [7 * X, 7 * YAW]
 """Where it has the variances of forward and turning speed."""
-UNKNOWN_CODE, UNKNOWN_SIGNAL = Mode.UNKNOWN, 0xffff
-"""A code and a signal that are not known, in fields that have no NaN: no robot has them."""
 Values = dict[str, Any]
 """Values of fields of a message, by their names."""
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
@@ -144,7 +142,8 @@ def cliff(message: msg.Cliff, readings: Readings) -> None:
     """Set the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
     for side in ('left', 'front_left', 'front_right', 'right'):
         setattr(message, side, readings.number(f'cliff_{side}', 0) != 0)
-        setattr(message, f'{side}_signal', readings.number(f'cliff_{side}_signal', UNKNOWN_SIGNAL))
+        signal = readings.number(f'cliff_{side}_signal', message.SIGNAL_UNKNOWN)
+        setattr(message, f'{side}_signal', signal)
 
 
 CHARGING: dict[ChargingState | None, int] = {
@@ -211,14 +210,14 @@ def mode_name(code: int, reason: str = NO_ROBOT) -> str:
 def charging_name(code: int) -> str:
     """Return the name of a charging state in words; `state CODE` for a code without one."""
     if code not in list(ChargingState):
-        return 'not known' if code == UNKNOWN_CODE else f'state {code}'
+        return 'not known' if code == msg.Charging.UNKNOWN else f'state {code}'
     return ChargingState(code).name.lower().replace('_', ' ')
 
 
 def wall(message: msg.Wall, readings: Readings) -> None:
     """Set the wall sensor and the virtual wall (packets 8, 13 and 27)."""
     message.wall, message.virtual_wall = readings.wall, readings.virtual_wall
-    message.signal = readings.number('wall_signal', UNKNOWN_SIGNAL)
+    message.signal = readings.number('wall_signal', message.SIGNAL_UNKNOWN)
 
 
 def ir_omni(message: msg.IrOmni, readings: Readings) -> None:
@@ -229,13 +228,13 @@ def ir_omni(message: msg.IrOmni, readings: Readings) -> None:
 
 def charging(message: msg.Charging, readings: Readings) -> None:
     """Set the charging state and the sources (packets 21 and 34)."""
-    message.state = readings.number('charging_state', UNKNOWN_CODE)
+    message.state = readings.number('charging_state', message.UNKNOWN)
     charging_sources(message, readings)
 
 
 def song(message: msg.Song, readings: Readings) -> None:
     """Set the number of the song and whether it plays (packets 36 and 37)."""
-    message.number = readings.number('song_number', UNKNOWN_CODE)
+    message.number = readings.number('song_number', message.UNKNOWN)
     message.playing = readings.song_playing
 
 

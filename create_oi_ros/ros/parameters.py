@@ -136,11 +136,9 @@ class Parameters:
     reset_when_not_charging: bool = parameter(
         Settings.reset_when_not_charging, 'Whether a robot that does not charge on its Home Base '
         'is restarted (opcode 7)')
-    input_names: tuple[str, ...] = parameter(
-        ('input_0', 'input_1', 'input_2', 'input_3'), 'Names of the digital inputs of the cargo '
-        'bay, of the first ones where there are fewer; `cargo_bay` has them')
     output_names: tuple[str, ...] = parameter(
-        Settings.output_names, 'Names of its digital outputs, for `set_digital_output`')
+        Settings.output_names, 'Names of the digital outputs of the cargo bay, for '
+        '`set_digital_output`; of the first ones where there are fewer')
     dead_man: bool = parameter(
         True, 'Whether a process of its own stops the robot when the node dies')
     capture: str = parameter(

@@ -15,7 +15,6 @@ import time
 from typing import Any
 
 from builtin_interfaces.msg import Time as Stamp
-from create_oi_msgs.msg import CargoBay
 from rclpy.clock import JumpThreshold, ROSClock
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -146,8 +145,6 @@ class SensorFrameTopic(FrameTopic):
 
     def __init__(self, node: Node, topic: SensorTopic, parameters: Parameters) -> None:
         message = topic.type(header=Header(frame_id=parameters.base_frame))
-        if topic.type is CargoBay:
-            message.input_names = list(parameters.input_names)
         fill = topic.fill
         if topic.type is BatteryState:
             fill = partial(messages.battery_state, charge_known=parameters.charge_known)

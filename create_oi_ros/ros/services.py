@@ -138,15 +138,11 @@ SERVICES = (
     Service(
         name='start_demo', type=srv.StartDemo,
         request=lambda driver, request, _: driver.modes.start_demo(request.demo),
-        about='let the robot play a built-in demo, 0 (Cover) to 9 (Banjo)'),
+        about='let the robot play a built-in demo, 0 (Cover) to 9 (Banjo); the action '
+        '`dock` also says how 1 (Cover and Dock) ends'),
     Service(
         name='stop_demo', type=Trigger, request=lambda driver, _, now: driver.modes.stop_demo(),
         about='end the demo; the robot stays in Passive'),
-    Service(
-        name='dock', type=Trigger,
-        request=lambda driver, _, now: driver.modes.start_demo(oi.DemoNumber.COVER_AND_DOCK),
-        about='start the demo that looks for the Home Base, and answer at once; the action `dock` '
-        'also says how it ends'),
     Service(
         name='define_script', type=srv.DefineScript, request=define_script,
         about='store a script, as lines of text or as bytes'),

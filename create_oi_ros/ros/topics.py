@@ -87,7 +87,7 @@ IMU = Topic(
     about=f'turn rate by the gyro, in `{messages.GYRO_FRAME}`; with parameter `gyro` (REP 145)')
 MODE = Topic(
     name='mode', type=msg.Mode, when='on change, latched', qos=LATCHED,
-    about='the actual mode (255: no robot, or not known), the wanted one, and why they differ')
+    about='the actual mode, or `UNKNOWN`; the wanted one, and why they differ')
 DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
     about='battery, safety, mode, serial link, driver, odometry, version and parameters (REP 107)')
@@ -108,11 +108,11 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
         name='cliff', type=msg.Cliff, fill=messages.cliff,
         watch=CLIFFS, needs=tuple(f'{name}_signal' for name in CLIFFS),
-        about='the four cliff sensors, with signal strengths (65535: not known)'),
+        about='the four cliff sensors, with signal strengths, or `SIGNAL_UNKNOWN`'),
     SensorTopic(
         name='wall', type=msg.Wall, fill=messages.wall,
         watch=('wall', 'virtual_wall'), needs=('wall_signal',),
-        about='the wall sensor on the right, with its signal strength (65535: not known), and '
+        about='the wall sensor on the right, with its signal strength or `SIGNAL_UNKNOWN`, and '
         'virtual walls'),
     SensorTopic(
         name='cargo_bay', type=msg.CargoBay, fill=messages.cargo_bay, qos=LATCHED,
@@ -128,7 +128,7 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     StateTopic(
         name='charging', type=msg.Charging, fill=messages.charging,
         watch=('charging_state', 'charging_sources'),
-        about='charging state (255: not known), charger and Home Base'),
+        about='charging state or `UNKNOWN`, charger and Home Base'),
     StateTopic(
         name='overcurrent', type=msg.Overcurrent, fill=messages.overcurrent,
         watch=('overcurrents',),
@@ -136,7 +136,7 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     StateTopic(
         name='song', type=msg.Song, fill=messages.song,
         watch=('song_number', 'song_playing'),
-        about='the song that plays, or played last (255: not known)'),
+        about='the song that plays, or played last; its number may be `UNKNOWN`'),
     SensorTopic(
         name='battery_state', type=BatteryState, period=1.0,
         fill=messages.battery_state,

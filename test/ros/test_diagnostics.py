@@ -159,16 +159,16 @@ def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
     readings = health.readings
     cliff, song, bay, buttons = filled(readings, msg.Cliff, msg.Song, msg.CargoBay, msg.Buttons)
     assert (cliff.left_signal, cliff.front_left_signal) == (
-        65535, readings.cliff_front_left_signal)
-    assert song == msg.Song(number=255)
+        msg.Cliff.SIGNAL_UNKNOWN, readings.cliff_front_left_signal)
+    assert song == msg.Song(number=msg.Song.UNKNOWN)
     assert isnan(bay.analog)
     assert buttons == msg.Buttons(play=True)
     loop.forged = {'charging_state': 6}
     loop.run(0.2)
     loop.drive(0.1, 0.0, 1.0)
     charging, = filled(loop.driver.health(loop.now).readings, msg.Charging)
-    assert charging.state == 255
-    assert messages.charging_name(255) == 'not known'
+    assert charging.state == charging.UNKNOWN
+    assert messages.charging_name(charging.state) == 'not known'
     assert all_of(loop)['battery'].level == WARN
 
 

@@ -263,12 +263,12 @@ def test_the_place_of_a_dock_is_three_numbers():
 
 
 @pytest.mark.parametrize(('names', 'words'), [
-    (('lamp', 'door', 'lamp', 'd'), "has 'lamp' twice: give each a name of its own"),
-    (('lamp', '', 'c', 'd'), 'has an empty name: write input_1'),
-    (('a', 'b', 'c', 'd', 'e'), 'has 5 names; allowed: up to 4'),
+    (('lamp', 'door', 'lamp'), "has 'lamp' twice: give each a name of its own"),
+    (('lamp', '', 'c'), 'has an empty name: write output_1'),
+    (('a', 'b', 'c', 'd', 'e'), 'has 5 names; allowed: up to 3'),
 ])
 def test_names_that_cannot_be_told_apart_and_frames_with_a_slash_are_refused(names, words):
-    assert f'parameter input_names {words}' in refusal('input_names', names)
+    assert f'parameter output_names {words}' in refusal('output_names', names)
     assert "write 'odom'" in refusal('odom_frame', '/odom')
     assert refusal('odom_frame', 'robot_1/odom') is None
 
@@ -283,7 +283,7 @@ def test_names_that_cannot_be_told_apart_and_frames_with_a_slash_are_refused(nam
     ('bump_stop', False, 'it takes text; allowed: none, forward'),
     ('port', 3, """write '3' with its quotes (after -p: port:="'3'")"""),
     ('mode_on_start', True, 'allowed: passive, safe, full'),
-    ('input_names', 'lamp', 'takes a list of names; write [input_0, input_1, input_2, input_3]'),
+    ('output_names', 'lamp', 'takes a list of names; write [output_0, output_1, output_2]'),
     ('dock_pose', [1.0, 2.0, 0.5], "write '1.0 2.0 0.5' with its quotes"),
 ])
 def test_a_value_of_the_wrong_type_says_how_to_write_it(name, value, words):

@@ -21,7 +21,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
 from ...ros.diagnostics import PARAMETERS
-from ...ros.messages import charging_name, mode_name, UNKNOWN_SIGNAL, yaw_of
+from ...ros.messages import charging_name, mode_name, yaw_of
 
 Json = Any
 PARTS: Mapping[type, str] = {
@@ -70,7 +70,7 @@ def finite(value: float, digits: int) -> float | None:
 
 
 def _signal(strength: int) -> int | None:
-    return None if strength == UNKNOWN_SIGNAL else strength
+    return None if strength == msg.Wall.SIGNAL_UNKNOWN else strength
 
 
 def flags(message: Any) -> dict[str, bool]:
