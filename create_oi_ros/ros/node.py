@@ -32,8 +32,6 @@ from .velocity import VelocityInput
 from .waiting import announce
 
 DIAGNOSTICS_PERIOD = 1.0
-STALE_WARNING_INTERVAL = 5.0
-"""Seconds between two warnings about stale commands."""
 
 NAMES = (
     topics.CMD_VEL, topics.GOAL_POSE, *(topic.name for topic in topics.ALL_TOPICS),
@@ -138,15 +136,20 @@ class CreateNode(Node):
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 
     def _on_velocity(self, linear: float, angular: float, stamp: int) -> None:
-        age = 0.0 if not stamp else (
-            self.get_clock().now().nanoseconds - stamp) / messages.NANOSECONDS
-        if age <= self.parameters.cmd_vel_timeout:
-            self.session.drive(linear, angular)
+        now, timeout = self._stamps.now(), self.parameters.cmd_vel_timeout
+        age = (now - stamp) / messages.NANOSECONDS if stamp and now is not None else 0.0
+        if age > timeout:
+            self._stale += 1
+            self.get_logger().warning(
+                f'cmd_vel of {age:.1f} s ago is dropped: is the clock of its sender right?',
+                throttle_duration_sec=CLOCK_WARNING_INTERVAL)
             return
-        self._stale += 1
-        self.get_logger().warning(
-            f'cmd_vel of {age:.1f} s ago is dropped: is the clock of its sender right?',
-            throttle_duration_sec=STALE_WARNING_INTERVAL)
+        self.session.drive(linear, angular)
+        if age < -timeout:
+            self.get_logger().warning(
+                f'cmd_vel is stamped {-age:.1f} s ahead of now: it is followed, and an old one '
+                'would not be noticed: is the clock of its sender right?',
+                throttle_duration_sec=CLOCK_WARNING_INTERVAL)
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
         self.parameters = parameters.changed(self.parameters, changed)

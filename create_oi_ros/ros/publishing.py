@@ -36,7 +36,7 @@ CHECK_INTERVAL = 0.1
 CLOCK_SPREAD, CLOCK_TRIES = 1e-4, 10
 """Seconds within which two clocks must be read together, and how often that is tried."""
 CLOCK_WARNING_INTERVAL = 5.0
-"""Seconds between two warnings about the node's clock."""
+"""Seconds between two warnings about a clock."""
 CLOCK_JITTER = 1_000_000
 """Nanoseconds by which stamps may seem to go back without a jump of the clock."""
 EARLY = SLOT / 2
