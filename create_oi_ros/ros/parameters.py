@@ -23,7 +23,7 @@ from ..odometry import Geometry, GyroSettings
 from ..oi import BaudCode, Mode
 from ..oi.codes import START_BAUDS
 from ..robot import TOP_SPEED
-from .topics import CMD_VEL
+from .topics import ALL_TOPICS
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
 ACTIONS = {action.value: action for action in LowBatteryAction}
@@ -194,6 +194,11 @@ DECLARED = Parameters.__dataclass_fields__
 OF_ROS = ('use_sim_time', 'start_type_description_service')
 """Beginnings of the names of parameters that every ROS node has."""
 
+QOS_OVERRIDES = 'qos_overrides.'
+QOS_CHOICES = {'history': ('keep_last', 'keep_all'), 'reliability': ('reliable', 'best_effort')}
+DEPTHS = range(1, 1 << 31)
+"""What the middleware can count."""
+
 TAKES = {float: 'a number', int: 'a whole number', bool: 'true or false', str: 'text',
          tuple: 'a list of names'}
 
@@ -216,16 +221,21 @@ def declare(node: Node) -> Parameters:
     The node must declare what it is given by itself; that is declared anew, with descriptions.
     """
     given = {name: node.get_parameter(name).value for name in node.get_parameters_by_prefix('')}
-    for unknown in sorted(given.keys() - DECLARED.keys()):
-        if unknown.startswith('qos_overrides.'):
-            raise ValueError(
-                f'parameter {unknown} is not supported: leave it out. All topics are published '
-                'as reliable; for best effort, let the subscriber ask for that'
-                f'; {CMD_VEL} adapts to its publishers')
-        if not unknown.startswith(OF_ROS):
+    policies = overridable_qos(node)
+    for name in sorted(given.keys() - DECLARED.keys()):
+        if name in policies:  # its publisher declares it
+            if reason := qos_refusal(name, policies[name], given[name]):
+                raise ValueError(reason)
+        elif name.startswith(QOS_OVERRIDES):
             node.get_logger().warning(
-                f'parameter {unknown} is unknown and ignored{suggestion(unknown, DECLARED)}')
-            node.undeclare_parameter(unknown)
+                f'parameter {name} cannot be overridden and is ignored: of a publisher of this '
+                'node, history, depth and reliability can; a latched topic stays reliable')
+        elif name.startswith(OF_ROS):
+            continue
+        else:
+            node.get_logger().warning(
+                f'parameter {name} is unknown and ignored{suggestion(name, DECLARED)}')
+        node.undeclare_parameter(name)
     values = {}
     for name in DECLARED:
         default = _default(name)
@@ -242,6 +252,22 @@ def declare(node: Node) -> Parameters:
     if reason := contradiction(parameters):
         raise ValueError(reason)
     return parameters
+
+
+def overridable_qos(node: Node) -> dict[str, str]:
+    """Return what may be overridden of the publishers' QoS: the policy, by its parameter."""
+    return {f'{QOS_OVERRIDES}{node.resolve_topic_name(topic.name)}.publisher.{policy}': policy
+            for topic in ALL_TOPICS
+            for policy in (kind.name.lower() for kind in topic.overridable)}
+
+
+def qos_refusal(name: str, policy: str, value: Any) -> str | None:
+    """Say why a QoS override is not allowed; None where it is."""
+    if policy == 'depth':
+        fits, words = type(value) is int and value in DEPTHS, f'{DEPTHS[0]} to {DEPTHS[-1]}'
+    else:
+        fits, words = value in QOS_CHOICES[policy], listed(QOS_CHOICES[policy])
+    return None if fits else f'parameter {name} = {value!r}; allowed: {words}'
 
 
 def as_declared(parameters: list[Parameter]) -> list[Parameter]:

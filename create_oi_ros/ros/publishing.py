@@ -8,6 +8,7 @@ Changes of latched topics are always published, for subscribers that come later.
 """
 
 from collections.abc import Callable
+from copy import copy
 from functools import partial
 from math import inf
 import struct
@@ -18,7 +19,7 @@ from builtin_interfaces.msg import Time as Stamp
 from rclpy.clock import JumpThreshold, ROSClock
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.time import Time
 from sensor_msgs.msg import BatteryState, PointCloud2, PointField
 from std_msgs.msg import Header
@@ -44,7 +45,9 @@ EARLY = SLOT / 2
 
 
 def publisher(node: Node, topic: Topic) -> Publisher:
-    return node.create_publisher(topic.type, topic.name, topic.qos)
+    return node.create_publisher(
+        topic.type, topic.name, copy(topic.qos),  # rclpy changes it as `qos_overrides` say
+        qos_overriding_options=QoSOverridingOptions(topic.overridable))
 
 
 class StampClock:
@@ -150,7 +153,6 @@ class SensorFrameTopic(FrameTopic):
             fill = partial(messages.battery_state, charge_known=parameters.charge_known)
         super().__init__(node, topic, message, message.header.stamp, fill)
         self.topic = topic
-        self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._watched = Readings.numbers(*topic.watch)
         self._last: tuple[int, ...] = ()
         self.complete = False
@@ -171,7 +173,7 @@ class SensorFrameTopic(FrameTopic):
         changed = watched != self._last
         if changed:
             self._last = watched
-            if self.heard or self._latched:
+            if self.heard or self.topic.latched:
                 self.publish(stamp, readings)
         return changed
 

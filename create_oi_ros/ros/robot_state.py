@@ -37,4 +37,4 @@ class RobotState:
         for topic in PUBLISHED:
             if topic.type in types:
                 take = take_own if topic.type is DiagnosticArray else self.take
-                node.create_subscription(topic.type, topic.name, take, topic.qos)
+                node.create_subscription(topic.type, topic.name, take, topic.subscription_qos)

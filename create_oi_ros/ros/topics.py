@@ -15,7 +15,7 @@ from typing import Any
 from create_oi_msgs import msg
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 
 from tf2_msgs.msg import TFMessage
@@ -45,6 +45,23 @@ class Topic:
     about: str
     when: str
     qos: QoSProfile = field(default_factory=lambda: RELIABLE)
+
+    @property
+    def latched(self) -> bool:
+        """Whether it is kept for late subscribers."""
+        return self.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+
+    @property
+    def overridable(self) -> tuple[QoSPolicyKind, ...]:
+        """What `qos_overrides` may change; late subscribers need a reliable publisher."""
+        kinds = QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY
+        return kinds[:2] if self.latched else kinds
+
+    @property
+    def subscription_qos(self) -> QoSProfile:
+        """What a subscriber asks for that gets it whatever `qos_overrides` say."""
+        return self.qos if self.latched else QoSProfile(
+            depth=self.qos.depth, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 @dataclass(frozen=True, kw_only=True)

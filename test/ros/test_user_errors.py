@@ -6,12 +6,16 @@ from contextlib import nullcontext
 from dataclasses import fields, replace
 import errno
 import os
+import re
 import signal
 import subprocess
 import sys
 from types import SimpleNamespace
 
+from nav_msgs.msg import Odometry
 import pytest
+from rcl_interfaces.srv import GetParameters
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 import yaml
 
 from create_oi_ros import __version__
@@ -342,17 +346,77 @@ def test_a_parameter_file_for_another_node_is_told(tmp_path, content, used):
     assert not said if used else 'holds no parameter of this node, /robot1/create, but' in said[0]
 
 
-def test_what_has_no_effect_is_a_warning_and_what_is_not_supported_is_refused(stage, tmp_path):
-    """Each of these starts the program."""
+def test_what_has_no_effect_is_a_warning(stage, tmp_path):
     (tmp_path / 'other.yaml').write_text('other:\n  ros__parameters: {baud: 19200}\n')
     warned = stage.program(
         'create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0', '-r', 'cmdvel:=x',
         '-r', 'odom:=x', '--params-file', str(tmp_path / 'other.yaml'))
-    refused = stage.node(
-        stage.folder / 'none', **{'qos_overrides./odom.publisher.reliability': 'best_effort'})
-    assert refused.ended() == 2
-    assert 'qos_overrides./odom.publisher.reliability is not supported' in refused.output
     for words in ('cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?',
                   'did you mean cmd_vel?', 'holds no parameter of this node, /create, but'):
         stage.ros.until(lambda words=words: words in warned.output, words)
     assert 'remap odom' not in warned.output
+
+
+# QoS overrides, named as rclcpp and rclpy name them.
+
+
+OVERRIDES = """
+/robot1/create:
+  ros__parameters:
+    qos_overrides:
+      /robot1/odom:
+        publisher: {reliability: best_effort, depth: 2}
+      /robot1/lines:
+        publisher: {reliability: best_effort, history: keep_all}
+      /tf: {publisher: {depth: 7}}
+      /robot1/odom_lines: {publisher: {depth: 7}}
+      /robot1/buttons: {publisher: {reliability: best_effort, depth: 3}}
+      /robot1/mode: {publisher: {durability: volatile}}
+      /robot1/cmd_vel: {subscription: {reliability: best_effort}}
+"""
+"""For a robot in a namespace, whose topic `bumper` is remapped to `lines`."""
+
+
+def test_qos_overrides_are_followed_or_named_and_ignored(stage, tmp_path):
+    (tmp_path / 'qos.yaml').write_text(OVERRIDES)
+    robot = stage.robot()
+    node = stage.program(
+        'create_node', '--ros-args', '-r', '__ns:=/robot1', '-r', 'bumper:=lines', '-p',
+        f'port:={robot.link}', '--params-file', str(tmp_path / 'qos.yaml'))
+    offered = stage.ros.node.get_publishers_info_by_topic
+    names = 'odom', 'lines', 'cliff', 'buttons', 'mode'
+    stage.ros.until(lambda: all(offered(f'/robot1/{name}') for name in names))
+    found = {name: offered(f'/robot1/{name}')[0].qos_profile for name in names}
+    assert {name: qos.reliability.name for name, qos in found.items()} == {
+        'odom': 'BEST_EFFORT', 'lines': 'BEST_EFFORT', 'cliff': 'RELIABLE',
+        'buttons': 'RELIABLE', 'mode': 'RELIABLE'}
+    assert found['buttons'].durability is found['mode'].durability is (
+        DurabilityPolicy.TRANSIENT_LOCAL)
+    heard = stage.ros.listen(Odometry, '/robot1/odom', QoSProfile(
+        depth=1, reliability=ReliabilityPolicy.BEST_EFFORT))
+    stage.ros.until(lambda: heard, 'odometry')
+    ignored = re.findall(r'parameter (qos_overrides\S+) cannot be overridden', node.output)
+    assert sorted(ignored) == [
+        'qos_overrides./robot1/buttons.publisher.reliability',
+        'qos_overrides./robot1/cmd_vel.subscription.reliability',
+        'qos_overrides./robot1/mode.publisher.durability',
+        'qos_overrides./robot1/odom_lines.publisher.depth']
+    values = stage.ros.call(GetParameters, '/robot1/create/get_parameters', names=[
+        'qos_overrides./robot1/odom.publisher.depth', 'qos_overrides./tf.publisher.depth',
+        'qos_overrides./robot1/cliff.publisher.depth']).values
+    assert [each.integer_value for each in values] == [2, 7, 10]
+
+
+@pytest.mark.parametrize(('override', 'words'), [
+    ('reliability:=often', "= 'often'; allowed: reliable, best_effort"),
+    ('reliability:=2', '= 2; allowed: reliable, best_effort'),
+    ('history:=all', "= 'all'; allowed: keep_last, keep_all"),
+    ('depth:=0', '= 0; allowed: 1 to 2147483647'),
+    ('depth:=-3', '= -3; allowed: 1 to'), ('depth:=2.0', '= 2.0; allowed: 1 to'),
+    ('depth:=true', '= True; allowed: 1 to'),
+])
+def test_a_wrong_qos_override_ends_the_node_with_what_is_allowed(stage, override, words):
+    name = f'qos_overrides./odom.publisher.{override}'
+    node = stage.program('create_node', '--ros-args', '-p', name)
+    assert node.ended() == 2
+    assert f'create_node: parameter {name.partition(":=")[0]} {words}' in node.output

@@ -18,11 +18,12 @@ from typing import Any, NamedTuple
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.action.client import ActionClient, ClientGoalHandle
 from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
 
 from ...ros import topics
 from ...ros.diagnostics import of_driver
-from ...ros.velocity import NEWEST, VelocityOutput
+from ...ros.velocity import VelocityOutput
 from .live_robot import LiveRobot, PARTS
 from .page_messages import CALLS, feedback_part, GOALS, PageMessage
 
@@ -32,6 +33,8 @@ DISCOVERY, LOOK = 2.0, 0.1
 """Seconds in which a driver that has just started must be found, and between two looks."""
 CHECK = 1.0
 """Seconds between two looks whether the driver is still there."""
+NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""For `odom`: the page is told twenty times a second."""
 
 
 class Reply(NamedTuple):
@@ -78,9 +81,9 @@ class WebNode(Node):
                 self.create_subscription(
                     topic.type, topic.name,
                     lambda message: robot.update(message, time.monotonic()),
-                    NEWEST if topic is topics.ODOM else topic.qos)
+                    NEWEST if topic is topics.ODOM else topic.subscription_qos)
         self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS.name, self._on_diagnostics,
-                                 topics.DIAGNOSTICS.qos)
+                                 topics.DIAGNOSTICS.subscription_qos)
         # Discovery takes a moment, so the clients are created before they are needed.
         self._service_clients = {
             name: self.create_client(type_, name) for name, type_ in CALLS.items()}
