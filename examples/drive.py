@@ -29,7 +29,7 @@ try:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
     node = rclpy.create_node('drive')
     velocity = node.create_publisher(Twist, 'cmd_vel', 1)
-    wait_for_robot(node, velocity.get_subscription_count)
+    wait_for_robot(node)
     node.create_timer(0.1, lambda: velocity.publish(circle))
     node.create_subscription(Odometry, 'odom', heard.append, 1)
     node.create_timer(1.0, show)

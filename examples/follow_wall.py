@@ -22,6 +22,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from create_oi_ros.ros.velocity import driver_type
 from create_oi_ros.ros.waiting import wait_for_robot
 
 SIGNAL = 500.0
@@ -85,7 +86,7 @@ class FollowWall(Node):
         self.mode = mode.mode
 
     def drive(self) -> None:
-        if not self.velocity.get_subscription_count():
+        if driver_type(self) is None:
             self.ended.set_result('the driver has ended')
             return
         speed, turn = self.steering.next_move(self.touched, self.signal)
@@ -99,7 +100,7 @@ def main() -> None:
     try:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
         node = FollowWall()
-        wait_for_robot(node, node.velocity.get_subscription_count)
+        wait_for_robot(node)
         node.create_timer(PERIOD, node.drive)
         signal.signal(signal.SIGINT, lambda *_: node.ended.set_result('Ctrl-C'))
         rclpy.spin_until_future_complete(node, node.ended)

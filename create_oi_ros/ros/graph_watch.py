@@ -19,10 +19,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from . import topics
 from .parameters import Parameters
 from .topics import CMD_VEL, type_name
-from .velocity import type_name_of, TYPES, VelocityInput
+from .velocity import type_name_of, TYPES, UNNAMED, VelocityInput
 
-UNNAMED = '_NODE_NAME_UNKNOWN_'
-"""What ROS calls a node that it has not heard of yet, though its publisher was found."""
 ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
 
 

@@ -36,7 +36,10 @@ RELIABLE_CHECKS = 10
 """Checks of the publishers in a row that must all be reliable, until the subscription is again."""
 CONTEST_INTERVAL = 1.0
 """Two publishers whose commands alternate within so many seconds send at the same time."""
+MODE_TYPE = 'create_oi_msgs/msg/Mode'
 COMMANDS = {f'geometry_msgs/msg/{type_.__name__}': type_ for type_ in (Twist, TwistStamped)}
+UNNAMED = '_NODE_NAME_UNKNOWN_'
+"""What ROS calls a node that it has not heard of yet, though an endpoint of it was found."""
 CHECK_INTERVAL, SEARCH_INTERVAL = 1.0, 0.2
 """Seconds between two looks for the driver, when it was there and when it was not."""
 UNUSED_CHECKS = 10
@@ -180,6 +183,26 @@ def type_name_of(endpoint: TopicEndpointInfo) -> str:
     return str(endpoint.topic_type).replace('/msg/', '/')
 
 
+def driver_type(node: Node) -> type | None:
+    """
+    Return the message type in which a driver takes a node's `cmd_vel`; None: no driver does.
+
+    A driver is a node that publishes its mode; the subscription may be that of its NAME_cmd_vel.
+    Others may listen, too, such as a recorder.
+    """
+    drivers = {
+        (each.node_namespace, each.node_name)
+        for topic, types in node.get_topic_names_and_types() if MODE_TYPE in types
+        for each in node.get_publishers_info_by_topic(topic) if each.node_name != UNNAMED}
+    for each in node.get_subscriptions_info_by_topic(CMD_VEL):
+        names = each.node_name, each.node_name.removesuffix(f'_{CMD_VEL}')
+        if each.topic_type in COMMANDS and any(
+                (each.node_namespace, name) in drivers for name in names):
+            found: type = COMMANDS[each.topic_type]
+            return found
+    return None
+
+
 class VelocityOutput:
     """
     Publishes velocity commands, once a driver has been found.
@@ -197,25 +220,21 @@ class VelocityOutput:
         self._unused = 0
         """Checks since the last command."""
         self.driver_listens = False
-        """Whether a driver subscribes to velocity commands."""
+        """Whether a driver takes velocity commands."""
 
     def find_driver(self, now: float) -> None:
-        """Check now and then who subscribes to cmd_vel."""
+        """Check now and then which type the driver takes."""
         if now < self._next_check:
             return
-        types = [
-            COMMANDS[each.topic_type]
-            for each in self._node.get_subscriptions_info_by_topic(CMD_VEL)
-            if each.node_name != self._node.get_name() and each.topic_type in COMMANDS]
-        self.driver_listens = bool(types)
-        self._next_check = now + (CHECK_INTERVAL if types else SEARCH_INTERVAL)
+        type_ = driver_type(self._node)
+        self.driver_listens = type_ is not None
+        self._next_check = now + (CHECK_INTERVAL if self.driver_listens else SEARCH_INTERVAL)
         self._unused += 1
-        changed = bool(types) and self._type is not types[0]
+        changed = type_ not in (None, self._type)
         if self._publisher is not None and (changed or self._unused > UNUSED_CHECKS):
             self._node.destroy_publisher(self._publisher)
             self._publisher = None
-        if types:
-            self._type = types[0]
+        self._type = type_ or self._type
 
     def publish(self, linear: float, angular: float) -> None:
         """Publish a velocity, m/s and rad/s, if a driver has been found."""

@@ -20,7 +20,8 @@ from create_oi_msgs.msg import Mode
 import rclpy
 from rclpy.node import Node
 
-from .topics import LATCHED
+from .topics import CMD_VEL, LATCHED, type_name
+from .velocity import driver_type
 
 WARNING_DELAY = 2.0
 """Seconds after which a program says that it waits."""
@@ -86,24 +87,44 @@ def say_if_waiting(node: Node, what: str, waits: Callable[[], bool],
     timer = node.create_timer(0.5, look)
 
 
+def _commands_wait(node: Node) -> str | None:
+    """Say why no driver takes the velocities of a node; None: one does, or it publishes none."""
+    for publisher in node.publishers:
+        if publisher.topic_name == node.resolve_topic_name(CMD_VEL):
+            taken, ours = driver_type(node), publisher.msg_type
+            if taken is None:
+                return f'waits for a driver that takes {publisher.topic_name}'
+            if taken is not ours:
+                return (f'waits: the driver takes {type_name(taken)} from {publisher.topic_name}, '
+                        f'and this program publishes {type_name(ours)}: let it publish the other, '
+                        'or start the driver with cmd_vel_type: auto')
+    return None
+
+
 def wait_for_robot(node: Node, until: Callable[[], object] = lambda: True) -> None:
     """
-    Spin until a driver has a robot, and something else is the case, such as that a topic is heard.
+    Spin until a driver has a robot and takes the velocities that the node publishes, if it does.
 
-    After 2 s say on stderr what is missing: the driver, or a robot that answers.
+    `until` is something else to wait for, such as that a topic is heard. After 2 s say on stderr
+    what is missing: the driver, a robot that answers, or the type of the commands.
     """
     heard: list[Mode] = []
     modes = node.create_subscription(Mode, 'mode', heard.append, LATCHED)
     began, said = time.monotonic(), None
-    while not (heard and heard[-1].mode != Mode.UNKNOWN and until()):
+    while True:
+        commands = _commands_wait(node)
+        if heard and heard[-1].mode != Mode.UNKNOWN and commands is None and until():
+            break
         rclpy.spin_once(node, timeout_sec=POLL_INTERVAL)
         waited = time.monotonic() - began
         if not heard:
             why = waits_for(node, 'a driver', waited)
-        elif heard[-1].mode == Mode.UNKNOWN and waited >= WARNING_DELAY:
+        elif waited < WARNING_DELAY:
+            continue
+        elif heard[-1].mode == Mode.UNKNOWN:
             why = f'waits for a robot ({heard[-1].reason}): is it switched on, and the cable in?'
         else:
-            continue
+            why = commands
         if why is not None and why != said:
             print(f'{node.get_name()}: {why}', file=sys.stderr, flush=True)
             said = why

@@ -155,11 +155,23 @@ def test_a_driver_that_takes_stamped_commands_gets_them(stage, pages):
     page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.02)
 
 
+def test_who_only_listens_to_commands_is_no_driver_and_does_not_choose_their_type(stage, pages):
+    recorded = stage.listener('recorder').listen(Twist, 'cmd_vel')
+    page = pages(served(stage)[1])
+    page.until(lambda: page.known.get('driver_found') is False and page.known['silent'])
+    page.send('drive', linear=0.2, angular=0.0, seen=page.known['at'])
+    assert page.reply()['text'].startswith('no driver takes /cmd_vel')
+    robot = stage.robot()
+    stage.node(robot.link, cmd_vel_type='stamped')
+    ready(page).drive(0.2, 0.0, lambda: not standing(robot))
+    assert not recorded
+
+
 def test_without_a_driver_nothing_is_commanded_and_the_page_is_told(stage, pages):
     page = pages(served(stage)[1])
     page.until(lambda: page.known.get('driver_found') is False and page.known['silent'])
     page.send('drive', linear=0.2, angular=0.0, seen=page.known['at'])
-    assert page.reply()['text'] == 'no driver is running: nobody listens to cmd_vel'
+    assert page.reply()['text'] == 'no driver takes /cmd_vel: start one with create_run'
     page.send('dock')
     assert page.reply()['text'] == 'nobody offers /dock: no driver is running'
 

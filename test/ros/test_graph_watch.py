@@ -12,8 +12,9 @@ from rclpy.qos import qos_profile_sensor_data, QoSProfile
 from rclpy.timer import Timer
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from create_oi_ros.ros.graph_watch import node_name, UNNAMED
+from create_oi_ros.ros.graph_watch import node_name
 from create_oi_ros.ros.topics import LATCHED
+from create_oi_ros.ros.velocity import UNNAMED
 from support.ros import Listener, Ready
 
 

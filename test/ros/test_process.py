@@ -207,9 +207,12 @@ def test_folders_of_dead_processes_are_removed_and_no_others(tmp_path, monkeypat
 
 WAITS = """
 import rclpy
+from geometry_msgs.msg import Twist
 from create_oi_ros.ros.waiting import wait_for_robot
 rclpy.init()
-wait_for_robot(rclpy.create_node('waits'))
+node = rclpy.create_node('waits')
+velocity = node.create_publisher(Twist, 'cmd_vel', 1)
+wait_for_robot(node)
 print('found', flush=True)
 """
 
@@ -260,5 +263,22 @@ def test_a_program_waits_for_a_driver_then_for_its_robot(stage, tmp_path):
     stage.node(tmp_path / 'create')
     stage.ros.until(lambda: 'waits for a robot (no robot answers)' in program.output)
     stage.robot()
+    assert program.ended() == 0
+    assert program.printed[-1] == 'found\n'
+
+
+def test_a_program_that_drives_waits_for_a_driver_that_takes_its_commands(stage, tmp_path):
+    script = tmp_path / 'waits.py'
+    script.write_text(WAITS)
+    program = stage.script(script)
+    stage.listener('recorder').listen(Twist, 'cmd_vel')
+    driver = stage.node(stage.robot().link, cmd_vel_type='stamped')
+    stage.ros.until(lambda: (
+        'waits: the driver takes geometry_msgs/TwistStamped from /cmd_vel, and this program '
+        'publishes geometry_msgs/Twist' in program.output), 'why it waits')
+    assert program.running()
+    driver.send(signal.SIGTERM)
+    driver.ended()
+    stage.node(stage.robot('second').link)
     assert program.ended() == 0
     assert program.printed[-1] == 'found\n'

@@ -7,12 +7,14 @@ from contextlib import closing
 import threading
 from typing import Any
 
+from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 import pytest
 from rclpy.qos import qos_profile_sensor_data, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from create_oi_ros.ros.velocity import RELIABLE_CHECKS, VelocityInput
+from create_oi_ros.ros.topics import LATCHED
+from create_oi_ros.ros.velocity import driver_type, RELIABLE_CHECKS, VelocityInput
 from support.ros import Listener, own_domain, TIMEOUT
 
 RELIABLE, BEST_EFFORT = QoSProfile(depth=1), qos_profile_sensor_data
@@ -193,3 +195,73 @@ def test_an_error_in_the_function_is_told_and_printed(stage, monkeypatch):
     stage.ros.until(lambda: publish(0.5) or stage.failed.is_set())
     stage.ros.until(lambda: printed)
     assert [str(each.exc_value) for each in printed] == ['0.5 is wrong']
+
+
+# Who takes the commands: only a driver does, a node that publishes its mode.
+
+
+class Others:
+    """Nodes of other programs, each with a context of its own."""
+
+    def __init__(self, domain: int) -> None:
+        self._domain = domain
+        self._listeners: list[Listener] = []
+
+    def node(self, name: str, *rules: str, takes: type | None = None, topic: str = 'cmd_vel',
+             mode: str = '') -> Listener:
+        """Add a node that takes velocities of a type from a topic, and publishes its mode."""
+        made = Listener(self._domain, name, *rules)
+        self._listeners.append(made)
+        if takes is not None:
+            made.listen(takes, topic)
+        if mode:
+            made.node.create_publisher(Mode, mode, LATCHED)
+        return made
+
+    def close(self) -> None:
+        """End them, the newest first."""
+        for each in reversed(self._listeners):
+            each.close()
+
+
+@pytest.fixture
+def others(stage) -> Iterator[Others]:
+    """Return the other programs of the graph, none yet."""
+    with closing(Others(stage.domain)) as made:
+        yield made
+
+
+def test_a_listener_is_no_driver_and_does_not_choose_the_type(stage, others):
+    others.node('recorder', takes=Twist)
+    stage.ros.until(lambda: stage.ros.node.count_subscribers('cmd_vel'))
+    assert driver_type(stage.ros.node) is None
+    others.node('create_cmd_vel', takes=TwistStamped)
+    stage.ros.until(lambda: stage.ros.node.count_subscribers('cmd_vel') == 2)
+    assert driver_type(stage.ros.node) is None, 'no node create publishes its mode'
+    others.node('create', mode='mode')
+    stage.ros.until(lambda: driver_type(stage.ros.node))
+    assert driver_type(stage.ros.node) is TwistStamped
+    others.node('echo', takes=Twist)
+    stage.ros.until(lambda: stage.ros.node.count_subscribers('cmd_vel') == 3)
+    assert driver_type(stage.ros.node) is TwistStamped
+
+
+def test_a_driver_of_one_node_and_of_remapped_names_is_one(stage, others):
+    other = others.node('base', takes=Twist, topic='/base/drive', mode='/base/state')
+    asking = others.node('asking', 'cmd_vel:=/base/drive')
+    asking.until(lambda: driver_type(asking.node))
+    assert driver_type(asking.node) is Twist
+    stage.ros.until(lambda: stage.ros.node.count_publishers('/base/state'))
+    assert driver_type(stage.ros.node) is None, 'it takes another topic'
+    other.node.destroy_node()
+    asking.until(lambda: driver_type(asking.node) is None)
+
+
+def test_the_node_of_the_commands_belongs_to_the_driver_of_its_namespace(stage, others):
+    others.node('create_cmd_vel', '__ns:=/two', takes=Twist, topic='/cmd_vel')
+    others.node('create', '__ns:=/one', mode='mode')
+    stage.ros.until(lambda: stage.ros.node.count_subscribers('cmd_vel')
+                    and stage.ros.node.count_publishers('/one/mode'))
+    assert driver_type(stage.ros.node) is None
+    others.node('create', '__ns:=/two', mode='mode')
+    stage.ros.until(lambda: driver_type(stage.ros.node) is Twist)

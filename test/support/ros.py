@@ -199,10 +199,13 @@ def children_of(pid: int) -> list[int]:
 class Listener:
     """A ROS node in the test's process, with a context of its own."""
 
-    def __init__(self, domain: int, name: str = 'listener') -> None:
+    def __init__(self, domain: int, name: str = 'listener', *rules: str) -> None:
+        """Create the node; remap rules are such as `__ns:=/robot1`."""
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
-        self.node = rclpy.create_node(name, context=self._context)
+        arguments = [part for rule in rules for part in ('-r', rule)]
+        self.node = rclpy.create_node(
+            name, context=self._context, cli_args=['--ros-args', *arguments])
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}

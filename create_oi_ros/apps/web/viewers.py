@@ -15,6 +15,7 @@ from aiohttp import web, WSCloseCode, WSMsgType
 
 from ...driver.motion import Velocity
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
+from ...ros.topics import CMD_VEL
 from .access import (
     DriverSeat,
     LONGEST_MESSAGE,
@@ -212,7 +213,8 @@ class Viewers:
     def _drive(self, number: int, linear: float, angular: float, seen: float) -> None:
         now = time.monotonic()
         if not self._node.velocity.driver_listens:
-            raise Refused('no driver is running: nobody listens to cmd_vel')
+            topic = self._node.resolve_topic_name(CMD_VEL)
+            raise Refused(f'no driver takes {topic}: start one with create_run')
         velocity = Velocity(float(linear), float(angular))
         if self._seat.drive(number, velocity, now - seen, now):
             self._node.velocity.publish(*velocity)
