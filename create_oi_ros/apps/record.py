@@ -11,7 +11,6 @@ import os
 from pathlib import Path
 import sys
 
-from geometry_msgs.msg import Twist, TwistStamped
 import rclpy
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
@@ -32,15 +31,13 @@ def amount(recorder: Recorder) -> str:
             f'{recorder.size / 1e6:.1f} MB')
 
 
-def record(
-    folder: Path, arguments: list[str], velocity: type, ended: Future,
-) -> Recorder | None:
+def record(folder: Path, arguments: list[str], ended: Future) -> Recorder | None:
     """Record until `ended` is done; None: the disk is full; OSError: the folder cannot be made."""
     with ros_executor(arguments) as executor:
         node = rclpy.create_node('create_record')
         executor.add_node(node)
-        recorder = Recorder(node, folder, velocity)
-        say(f'records {", ".join(recorder.topics)} to {folder} until Ctrl-C')
+        recorder = Recorder(node, folder)
+        say(f'records {", ".join(each.name for each in recorder.topics)} to {folder} until Ctrl-C')
         if sys.stdout.isatty():
             node.create_timer(1.0, lambda: say(amount(recorder), '\r', ' '))
         say_if_waiting(node, 'a driver', lambda: not recorder.counts,
@@ -64,8 +61,6 @@ def _arguments() -> argparse.ArgumentParser:
     parser.add_argument('-o', dest='folder', type=Path, metavar='FOLDER',
                         default=Path(f'record-{datetime.now():%Y%m%d-%H%M%S}'),
                         help='a new folder for the bag (default: record-DATE-TIME)')
-    parser.add_argument('--stamped', action='store_true',
-                        help='record cmd_vel as TwistStamped instead of Twist')
     return parser
 
 
@@ -77,11 +72,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.folder.exists():
         parser.error(f'{options.folder} is there already')
     call_on_signal(lambda: ended.set_result(0))
-    recorder = record(options.folder, given, TwistStamped if options.stamped else Twist, ended)
+    recorder = record(options.folder, given, ended)
     if recorder is None:
         return 1
     # On a terminal, overwrite the line with the running count.
     say(f'{amount(recorder)} are in {options.folder}', '\r' if sys.stdout.isatty() else '')
     if not recorder.counts:
         say('nothing was heard in ROS domain ' + (os.environ.get('ROS_DOMAIN_ID') or '0'))
-    return 0 if recorder.counts else 1
+        return 1
+    if missing := [each.name for each in recorder.topics if not each.count]:
+        say(f'nothing was recorded of {", ".join(missing)}')
+    return 0

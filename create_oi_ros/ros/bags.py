@@ -3,40 +3,48 @@
 """
 Bags: what a damaged one causes, and a recorder of the driver's topics and its commands.
 
-The library `rosbags` reads and writes them without an installed rosbag2.
+The libraries `mcap` and `rosbags` read and write them without an installed rosbag2.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
 import os
 from pathlib import Path
 import struct
 import sys
 import time
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
-from geometry_msgs.msg import Twist
+from mcap.writer import CompressionType, Writer
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
-from rosbags import interfaces as bag
-from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.rosbag2.storage_mcap import McapWriter
+from rclpy.subscription import Subscription
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
 from std_msgs.msg import String
+import yaml
 
 from tf2_msgs.msg import TFMessage
 
 from .programs import UserError
 from .topics import ALL_TOPICS, CMD_VEL, LATCHED, type_name
+from .velocity import COMMANDS, driver_type
 
 Item = TypeVar('Item')
 DESCRIPTION = 'robot_description'
 SAVED = 1.0
 """Seconds between two writes to the file; what `kill -9` or a full disk loses at most."""
+FITTED = 0.2
+"""Seconds between two looks whether the publishers have another type or QoS."""
+FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+METADATA_VERSION = 9
+"""Of rosbag2 in Jazzy."""
 
 
 class BagError(UserError):
@@ -52,9 +60,8 @@ FAULTS = (
     RuntimeError, TypeError, ValueError, struct.error)
 """What Python raises when damaged bytes are read."""
 LIBRARY_FAULTS = {
-    'backports.zstd': 'ZstdError', 'compression.zstd': 'ZstdError', 'sqlite3': 'Error',
-    'rosbags.rosbag2': 'ReaderError', 'rosbags.serde': 'SerdeError',
-    'rosbags.typesys': 'TypesysError', 'yaml': 'YAMLError'}
+    'mcap.exceptions': 'McapError', 'zstandard': 'ZstdError', 'sqlite3': 'Error',
+    'rosbags.serde': 'SerdeError', 'rosbags.typesys': 'TypesysError', 'yaml': 'YAMLError'}
 """Exceptions of libraries, by module."""
 
 
@@ -92,95 +99,189 @@ def definitions() -> Typestore:
     return store
 
 
+@dataclass
+class Recorded:
+    """A topic of a recording."""
+
+    name: str
+    types: Mapping[str, Any]
+    """Message types that it may have, by their full names."""
+    type: Any
+    """The one that is subscribed to."""
+    qos: QoSProfile
+    """What its usual publisher offers."""
+    reliability: ReliabilityPolicy
+    subscription: Subscription | None = None
+    channel: int | None = None
+    """Its number in the file; None before the first message."""
+    count: int = 0
+    """Messages that were recorded."""
+
+
 class Recorder:
     """Records until `close`; OSError: the disk is full, or the folder cannot be written."""
 
-    def __init__(self, node: Node, folder: Path, velocity: type = Twist) -> None:
-        """Create a bag in a new folder; `velocity` is the type of cmd_vel."""
-        self._node = node
-        self._store = definitions()
-        self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
-        self._writer.open()
-        assert isinstance(self._writer.storage, McapWriter)
-        self._file = self._writer.storage
-        # The name that `ros2 bag reindex` looks for.
-        self._file.path = self._file.path.rename(folder / f'{folder.name}_0.mcap')
-        self.counts: Counter[str] = Counter()
-        """Messages recorded, by topic."""
+    def __init__(self, node: Node, folder: Path) -> None:
+        """Create a bag in a new folder, and subscribe."""
+        self._node, self._folder = node, folder
+        self._definitions = definitions()
+        folder.mkdir(parents=True)
+        self._path = folder / f'{folder.name}_0.mcap'  # what `ros2 bag reindex` looks for
+        self._stream = self._path.open('xb')
+        self._file = Writer(self._stream, compression=CompressionType.NONE)
+        self._file.start('ros2')
+        self._began = self._ended = 0
+        """Times of the first and the newest message, ns."""
+        self._whole = 0
+        """Bytes of the file that end with a whole chunk."""
         self.saved = 0
         """Messages that are in the file already, of all topics."""
-        for topic in ALL_TOPICS:
-            self._record(topic.name, topic.type, topic.qos)
-        self._record(CMD_VEL, velocity, QoSProfile(depth=10))
+        self.topics = [self._recorded(each.name, (each.type,), each.qos) for each in ALL_TOPICS]
+        # Best effort, which gets what any publisher of commands sends.
+        self.topics.append(self._recorded(
+            CMD_VEL, COMMANDS.values(), QoSProfile(depth=10), ReliabilityPolicy.BEST_EFFORT))
         # Both published by robot_state_publisher, if it runs.
-        self._description = self._record(DESCRIPTION, String, LATCHED)
-        self._record('/tf_static', TFMessage, LATCHED)
-        self._saving = node.create_timer(SAVED, self._save)
+        self._description = self._recorded(DESCRIPTION, (String,), LATCHED)
+        self.topics += [self._description, self._recorded('/tf_static', (TFMessage,), LATCHED)]
+        self._timers = [node.create_timer(SAVED, self._save), node.create_timer(FITTED, self._fit)]
+        self._fit()
+
+    @property
+    def counts(self) -> Counter[str]:
+        """Messages recorded, by topic."""
+        return Counter({each.name: each.count for each in self.topics if each.count})
 
     @property
     def size(self) -> int:
         """Bytes in the bag's file."""
-        return self._file.path.stat().st_size
-
-    @property
-    def topics(self) -> list[str]:
-        return [connection.topic for connection in self._writer.connections]
+        return self._path.stat().st_size
 
     def describe(self) -> None:
         """Write the model of the robot, for a bag without robot_state_publisher."""
         model = Path(get_package_share_directory('create_oi_ros')) / 'urdf' / 'create.urdf'
         self._write(self._description, serialize_message(String(data=model.read_text('utf-8'))))
 
-    def _record(self, name: str, type_: type, qos: QoSProfile) -> bag.Connection:
-        package, kind = type_name(type_).split('/')
-        connection = self._writer.add_connection(
-            self._node.resolve_topic_name(name), f'{package}/msg/{kind}', typestore=self._store,
-            offered_qos_profiles=[bag_qos(qos)])
-        # A best-effort subscription hears every publisher of commands.
-        reliability = (ReliabilityPolicy.BEST_EFFORT if name == CMD_VEL
-                       else ReliabilityPolicy.RELIABLE)
-        deep = QoSProfile(depth=1000, durability=qos.durability, reliability=reliability)
-        write: Callable[[bytes], None] = lambda raw: self._write(connection, raw)  # noqa: E731
-        self._node.create_subscription(type_, name, write, deep, raw=True)
-        return connection
+    def _recorded(self, name: str, types: Iterable[type], qos: QoSProfile,
+                  reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE) -> Recorded:
+        by_name = {full_name(each): each for each in types}
+        return Recorded(self._node.resolve_topic_name(name), by_name,
+                        next(iter(by_name.values())), qos, reliability)
 
-    def _write(self, connection: bag.Connection, raw: bytes) -> None:
-        self._writer.write(connection, time.time_ns(), raw)
-        self.counts[connection.topic] += 1
+    def _fit(self) -> None:
+        """Subscribe, anew where publishers have another type, or are best effort."""
+        for topic in self.topics:
+            found = [each for each in self._node.get_publishers_info_by_topic(topic.name)
+                     if each.topic_type in topic.types]
+            type_ = self._type_of(topic, {topic.types[each.topic_type] for each in found})
+            reliability = topic.reliability
+            if any(each.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
+                   for each in found):
+                reliability = ReliabilityPolicy.BEST_EFFORT
+            if topic.subscription is None or (type_, reliability) != (
+                    topic.type, topic.reliability):
+                topic.type, topic.reliability = type_, reliability
+                self._subscribe(topic)
+
+    def _type_of(self, topic: Recorded, offered: set[Any]) -> Any:
+        """Return the type to record: what is published; of two, what the driver takes."""
+        if topic.count:  # a topic of a bag has one type
+            for late in offered - {topic.type}:
+                self._node.get_logger().warning(
+                    f'{topic.name} is published as {type_name(late)} now, which is not recorded: '
+                    f'a bag has one type of a topic, in this one {type_name(topic.type)}. Start '
+                    'another recording', once=True)
+            return topic.type
+        if len(offered) == 1:
+            return next(iter(offered))
+        return (driver_type(self._node) or topic.type) if offered else topic.type
+
+    def _subscribe(self, topic: Recorded) -> None:
+        if topic.subscription is not None:
+            self._node.destroy_subscription(topic.subscription)
+            topic.subscription = None
+        deep = QoSProfile(depth=1000, durability=topic.qos.durability,
+                          reliability=topic.reliability)
+        write: Callable[[bytes], None] = partial(self._write, topic)
+        with suppress(RuntimeError):  # the executor still has the other type: tried again
+            topic.subscription = self._node.create_subscription(
+                topic.type, topic.name, write, deep, raw=True,
+                event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False))
+
+    def _write(self, topic: Recorded, raw: bytes) -> None:
+        with self._whole_chunks():
+            if topic.channel is None:
+                topic.channel = self._channel(topic)
+            now = time.time_ns()
+            self._file.add_message(topic.channel, now, raw, now)
+        self._began = self._began or now
+        self._ended = now
+        topic.count += 1
+
+    def _channel(self, topic: Recorded) -> int:
+        """Register a topic in the file."""
+        name = full_name(topic.type)
+        definition, _ = self._definitions.generate_msgdef(name, ros_version=2)
+        schema = self._file.register_schema(name, 'ros2msg', definition.encode())
+        return self._file.register_channel(topic.name, 'cdr', schema, {
+            'offered_qos_profiles': yaml.safe_dump([bag_qos(topic.qos)])})
 
     def _save(self) -> None:
         """Write what has arrived as a chunk of its own: readers recover whole chunks only."""
-        if self._file.chunk.msgs:
-            with self._whole_chunks():
-                self._file.close_chunk()
-                self._file.bio.flush()
-            self.saved = self.counts.total()
+        with self._whole_chunks():
+            self._file.flush()
+        self._whole, self.saved = self._stream.tell(), self.counts.total()
 
     @contextmanager
     def _whole_chunks(self) -> Iterator[None]:
         """When the disk is full, close the file after its last whole chunk."""
-        whole = self._file.bio.tell()
         try:
             yield
         except OSError:
-            if self._writer.storage is not None:
-                with suppress(OSError):  # expected: the rest does not fit either
-                    self._writer.abort()
-                os.truncate(self._file.path, whole)
+            with suppress(OSError):  # expected: the rest does not fit either
+                self._stream.close()
+            os.truncate(self._path, self._whole)
             raise
 
     def close(self) -> None:
         """Close the bag; only then is it complete."""
-        self._node.destroy_timer(self._saving)
-        if self._writer.storage is not None:
-            self._save()
-            with self._whole_chunks():
-                self._writer.close()
+        for timer in self._timers:
+            self._node.destroy_timer(timer)
+        if self._stream.closed:  # the disk was full
+            return
+        self._save()
+        metadata = self._metadata()
+        with self._whole_chunks():
+            self._file.add_metadata('rosbag2', {'serialized_metadata': yaml.safe_dump(metadata)})
+            self._file.finish()
+            self._stream.close()
+        (self._folder / 'metadata.yaml').write_text(
+            yaml.safe_dump({'rosbag2_bagfile_information': metadata}))
+
+    def _metadata(self) -> dict[str, Any]:
+        """Return what rosbag2 reads of a bag."""
+        times = {'starting_time': {'nanoseconds_since_epoch': self._began},
+                 'duration': {'nanoseconds': self._ended - self._began},
+                 'message_count': self.counts.total()}
+        topics = [{'message_count': each.count, 'topic_metadata': {
+            'name': each.name, 'type': full_name(each.type), 'serialization_format': 'cdr',
+            'offered_qos_profiles': [bag_qos(each.qos)],
+            'type_description_hash': self._definitions.hash_rihs01(full_name(each.type)),
+        }} for each in self.topics if each.count]
+        return {'version': METADATA_VERSION, 'storage_identifier': 'mcap', **times,
+                'relative_file_paths': [self._path.name],
+                'files': [{'path': self._path.name, **times}],
+                'topics_with_message_count': topics, 'compression_format': '',
+                'compression_mode': '', 'custom_data': None, 'ros_distro': 'jazzy'}
 
 
-def bag_qos(qos: QoSProfile) -> bag.Qos:
+def full_name(type_: type) -> str:
+    """Return the name of a message type as ROS has it: geometry_msgs/msg/Twist."""
+    return type_name(type_).replace('/', '/msg/')
+
+
+def bag_qos(qos: QoSProfile) -> dict[str, Any]:
     """Return a quality of service in the form of a bag; `ros2 bag play` offers it again."""
-    never = bag.QosTime(9223372036, 854775807)
-    return bag.Qos(  # both number the policies as the middleware does
-        bag.QosHistory.KEEP_LAST, qos.depth, bag.QosReliability(qos.reliability),
-        bag.QosDurability(qos.durability), never, never, bag.QosLiveliness.AUTOMATIC, never, False)
+    return {'history': 'keep_last', 'depth': qos.depth,
+            'reliability': qos.reliability.name.lower(), 'durability': qos.durability.name.lower(),
+            'deadline': FOREVER, 'lifespan': FOREVER, 'liveliness': 'automatic',
+            'liveliness_lease_duration': FOREVER, 'avoid_ros_namespace_conventions': False}

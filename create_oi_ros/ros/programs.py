@@ -14,6 +14,7 @@ started by then, so the system's default handler for SIGINT replaces Python's.
 import errno
 from functools import partial
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from io import TextIOWrapper
 import os
@@ -43,8 +44,12 @@ PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run()
             for name in MODULES}
 """Python code that runs a program, for `python -c`; the package need not be installed."""
 OURS = 'create_oi_msgs'
-NEEDED = ('aiohttp', 'numpy', 'rosbags', 'serial', 'yaml')
+NEEDED = ('aiohttp', 'numpy', 'serial', 'yaml')
 """Python modules that may be missing."""
+FOR_BAGS = {'mcap': ((1, 5), (2,)), 'rosbags': ((0, 11), (0, 12))}
+"""Libraries without a Debian package: the first version that fits, and the first that may not."""
+NEED_BAGS = ('create_demo', 'create_record', 'create_report')
+"""Programs that read or write bags."""
 JAZZY = Path('/opt/ros/jazzy/setup.bash')
 MAKE = '`make` in a clone of this repository, then `source env.sh` there'
 ROS = re.compile(r'rclpy|\w+_msgs|std_srvs|rcl_interfaces|ament_index_python|builtin_interfaces')
@@ -99,6 +104,8 @@ def _run(program: str) -> int:
     if isinstance(sys.stdout, TextIOWrapper):  # a path may hold letters that a terminal has not
         sys.stdout.reconfigure(errors='backslashreplace')
     try:
+        if program in NEED_BAGS:
+            check_bag_libraries()
         code = int(import_module(f'{PACKAGE}.{MODULES[program]}').main())
         sys.stdout.flush()
         return code
@@ -133,14 +140,37 @@ def _advice(module: str) -> str | None:
             'install/setup.bash`')
 
 
-def installing(module: str) -> str:
-    """Return the command that installs a Python module where this Python finds it."""
-    package = PACKAGES.get(module, module)
+def installing(module: str, *more: str) -> str:
+    """Return the command that installs Python modules where this Python finds them."""
+    wanted = ' '.join(quote(_requirement(each)) for each in (module, *more))
     if sys.prefix != sys.base_prefix:  # a virtual environment, which apt does not reach
-        return f'`{quote(sys.executable)} -m pip install {package}`'
+        return f'`{quote(sys.executable)} -m pip install {wanted}`'
     if module in PACKAGED:
         return f'`sudo apt-get install python3-{module}`'
-    return f'`python3 -m pip install --break-system-packages {package}`'
+    return f'`python3 -m pip install --break-system-packages {wanted}`'
+
+
+def _requirement(module: str) -> str:
+    """Return what pip calls a module, with the versions that fit."""
+    if module not in FOR_BAGS:
+        return PACKAGES.get(module, module)
+    first, beyond = ('.'.join(map(str, each)) for each in FOR_BAGS[module])
+    return f'{module}>={first},<{beyond}'
+
+
+def check_bag_libraries() -> None:
+    """Check that the libraries for bags are there; UserError says which are not, or do not fit."""
+    wrong = []
+    for module, (first, beyond) in FOR_BAGS.items():
+        try:
+            found = version(module)
+        except PackageNotFoundError:
+            wrong.append(f'{module} is missing')
+            continue
+        if not first <= tuple(map(int, re.findall(r'\d+', found)[:2])) < beyond:
+            wrong.append(f'{module} {found} does not fit')
+    if wrong:
+        raise UserError(f'{", ".join(wrong)}: {installing(*FOR_BAGS)}')
 
 
 def check_environment() -> None:

@@ -8,9 +8,10 @@ import resource
 import signal
 from typing import Any
 
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
+from rclpy.qos import qos_profile_sensor_data, QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 import yaml
 
@@ -36,8 +37,8 @@ def amount(recorder) -> tuple[int, int]:
 def test_ctrl_c_leaves_a_complete_bag_of_all_topics(stage, tmp_path):
     stage.node(stage.robot().link, '__ns:=/robot1', cmd_vel_type='stamped')
     recorder = stage.program(
-        'create_record', '-o', str(tmp_path / 'walk'), '--stamped', '--ros-args', '-r',
-        '__ns:=/robot1', terminal=True)
+        'create_record', '-o', str(tmp_path / 'walk'), '--ros-args', '-r', '__ns:=/robot1',
+        terminal=True)
     stage.ros.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
     publisher = stage.ros.node.create_publisher(TwistStamped, '/robot1/cmd_vel', 1)
     stage.ros.until(lambda: publisher.get_subscription_count() == 2)
@@ -48,7 +49,10 @@ def test_ctrl_c_leaves_a_complete_bag_of_all_topics(stage, tmp_path):
     stage.ros.until(commanded, 'a command')
     recorder.type(CTRL_C)
     assert recorder.ended() == 0
-    assert recorder.output.rstrip().endswith(f'MB are in {tmp_path / "walk"}')
+    *_, told, missing = recorder.output.splitlines()
+    assert told.endswith(f'MB are in {tmp_path / "walk"}')
+    assert missing == ('create_record: nothing was recorded of /robot1/imu/data, '
+                       '/robot1/robot_description, /tf_static')
     with Reader(tmp_path / 'walk') as bag:
         counts = {each.topic: each.msgcount for each in bag.connections}
         types = {each.topic: each.msgtype for each in bag.connections}
@@ -71,8 +75,69 @@ def test_an_empty_recording_is_reported(stage, tmp_path):
     recorder.send(signal.SIGINT)
     assert recorder.ended() == 1
     assert recorder.output.endswith(
-        f'create_record: 0 messages of 0 topics, 0.1 MB are in {tmp_path / "walk"}\n'
+        f'create_record: 0 messages of 0 topics, 0.0 MB are in {tmp_path / "walk"}\n'
         f'create_record: nothing was heard in ROS domain {stage.domain}\n')
+
+
+class Commands:
+    """A recorder, and others that publish `cmd_vel` of either type."""
+
+    def __init__(self, stage, folder: Path) -> None:
+        self._stage, self._folder = stage, folder
+        self.recorder = stage.program('create_record', '-o', str(folder), terminal=True)
+        stage.ros.until(lambda: 'until Ctrl-C' in self.recorder.output)
+
+    def publish(self, type_: type, qos: QoSProfile | int = 1, topics: int = 1) -> Any:
+        """Publish zeros as another program until so many topics are recorded; return it."""
+        other = self._stage.listener(f'sends_{type_.__name__.lower()}')
+        publisher = other.node.create_publisher(type_, 'cmd_vel', qos)
+        other.node.create_timer(0.05, lambda: publisher.publish(type_()))
+        other.until(lambda: amount(self.recorder)[1] == topics, 'it is recorded')
+        return other
+
+    def types(self) -> list[str]:
+        """End the recorder; return the types of the commands in the bag."""
+        self.recorder.send(signal.SIGINT)
+        self.recorder.ended()
+        with Reader(self._folder) as bag:
+            return [each.msgtype for each in bag.connections
+                    if each.topic == '/cmd_vel' and each.msgcount]
+
+
+@pytest.mark.parametrize('qos', [1, qos_profile_sensor_data], ids=['reliable', 'best effort'])
+@pytest.mark.parametrize('type_', [Twist, TwistStamped])
+def test_commands_are_recorded_in_the_type_of_their_publisher(stage, tmp_path, type_, qos):
+    commands = Commands(stage, tmp_path / 'walk')
+    commands.publish(type_, qos)
+    assert commands.types() == [f'geometry_msgs/msg/{type_.__name__}']
+
+
+def test_a_publisher_that_has_sent_nothing_does_not_choose_the_type(stage, tmp_path):
+    stage.listener('silent').node.create_publisher(Twist, 'cmd_vel', 1)
+    stage.node(stage.robot().link, cmd_vel_type='stamped')
+    commands = Commands(stage, tmp_path / 'walk')
+    commands.publish(TwistStamped, topics=len(PUBLISHED) + 1)
+    assert commands.types() == ['geometry_msgs/msg/TwistStamped']
+
+
+def test_a_type_that_comes_later_is_named_since_a_bag_has_one(stage, tmp_path):
+    commands = Commands(stage, tmp_path / 'walk')
+    commands.publish(Twist).node.destroy_node()
+    stage.listener('late').node.create_publisher(TwistStamped, 'cmd_vel', 1)
+    named = ('/cmd_vel is published as geometry_msgs/TwistStamped now, which is not recorded: a '
+             'bag has one type of a topic, in this one geometry_msgs/Twist')
+    stage.ros.until(lambda: named in commands.recorder.output)
+    assert commands.types() == ['geometry_msgs/msg/Twist']
+    assert commands.recorder.output.count(named) == 1
+
+
+def test_what_qos_overrides_make_best_effort_is_recorded(stage, tmp_path):
+    recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'), terminal=True)
+    stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
+    stage.node(stage.robot().link, **{
+        f'qos_overrides./{name}.publisher.reliability': 'best_effort'
+        for name in ('odom', 'bumper')})
+    stage.ros.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
 
 
 def test_an_existing_folder_is_left_alone(stage, tmp_path):
@@ -179,16 +244,16 @@ def test_the_metadata_is_what_rosbag2_of_jazzy_parses(walk):
         assert times['starting_time']['nanoseconds_since_epoch'] > 10**18
         assert times['message_count'] == walk.messages
     depths = {f'/{topic.name.lstrip("/")}': topic.qos.depth for topic in ALL_TOPICS}
-    depths |= {'/cmd_vel': 10, DESCRIBED: 1, '/tf_static': 1}
+    depths[DESCRIBED] = 1
     for each in bag['topics_with_message_count']:
         topic = each['topic_metadata']
-        latched = topic['name'] in LATCHING | {DESCRIBED, '/tf_static'}
+        latched = topic['name'] in LATCHING | {DESCRIBED}
         assert topic['offered_qos_profiles'] == [{
             **OFFERED, 'depth': depths.pop(topic['name']),
             'durability': 'transient_local' if latched else 'volatile'}]
-        assert topic['serialization_format'] == 'cdr' and each['message_count'] >= 0
+        assert topic['serialization_format'] == 'cdr' and each['message_count'] > 0
         assert re.fullmatch('RIHS01_[0-9a-f]{64}', topic['type_description_hash'])
-    assert not depths
+    assert depths.keys() == {'/imu/data'}, 'there is no gyro'
 
 
 def test_the_file_alone_has_the_same_metadata_of_its_topics(walk):
@@ -197,7 +262,7 @@ def test_the_file_alone_has_the_same_metadata_of_its_topics(walk):
         folder, file = (
             {each.topic: (each.msgtype, each.msgcount, each.ext) for each in bag.connections}
             for bag in (reader, alone))
-    assert folder == file and len(file) == len(ALL_TOPICS) + 3
+    assert folder == file and len(file) == len(PUBLISHED) + 1
 
 
 def test_types_and_qos_in_the_bag_are_those_that_the_driver_offers(walk):

@@ -118,6 +118,19 @@ def test_a_file_that_is_missing_is_named(bag, tmp_path):
     assert shown(tmp_path / 'walk').odom
 
 
+@pytest.mark.parametrize('options', [{}, {'use_chunking': False}], ids=['chunks', 'none'])
+def test_a_file_that_was_cut_off_is_read_up_to_its_last_whole_part(bag, tmp_path, options):
+    copy = copied(bag, tmp_path / 'walk', chunk_size=50_000, **options)
+    file, = copy.glob('*.mcap')
+    content = file.read_bytes()
+    for kept in (0.3, 0.6):
+        for more in range(3):  # also in the middle of a number, or of a message
+            file.write_bytes(content[:round(len(content) * kept) + more])
+            recording = shown(copy)
+            assert recording.odom and recording.faults == [
+                f'{UNCLOSED}, so the last seconds may be missing']
+
+
 def test_what_follows_a_damaged_chunk_is_read(bag, whole, tmp_path):
     copy = copied(bag, tmp_path / 'walk', chunk_size=50_000,
                   compression=CompressionType.NONE)
@@ -126,7 +139,7 @@ def test_what_follows_a_damaged_chunk_is_read(bag, whole, tmp_path):
     spoilt[len(spoilt) // 2] ^= 0xFF
     file.write_bytes(spoilt)
     recording = shown(copy)
-    assert 'The bag is not whole: Chunk checksum mismatch' in told(recording)
+    assert 'The bag is not whole: a chunk is damaged: crc validation failed' in told(recording)
     assert len(whole.odom) > len(recording.odom) > 0.8 * len(whole.odom)
     assert recording.odom.times[-1] == whole.odom.times[-1]
 

@@ -29,7 +29,7 @@ class Rule:
 
 MESSAGES = r'(builtin_interfaces|rcl_interfaces|std_srvs|\w+_msgs)\.(msg|srv|action)'
 ROS = rf'rclpy|ament_index_python|{MESSAGES}'
-BAGS = 'rosbags'
+BAGS = 'mcap|rosbags|zstandard'
 
 # A module is in the layer with the longest name here that is the module or a package around it.
 RULES = {

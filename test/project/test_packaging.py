@@ -21,6 +21,7 @@ import pytest
 import yaml
 
 import create_oi_ros
+from create_oi_ros.ros.programs import FOR_BAGS, installing
 from support.source import imported, modules, PACKAGE, ROOT
 
 FOLDERS = ('launch', 'test', 'bench', 'examples')
@@ -31,9 +32,11 @@ ROSDEP_KEYS = {name: f'python3-{name}' for name in (
     'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pytest', 'segno', 'serial', 'yaml')} | {
         'PIL': 'python3-pil'}
 """Modules whose rosdep key has another name."""
-NO_KEY = {'mcap': 'CONTRIBUTING.md', 'rosbags': 'docs/recording.md',
+NO_KEY = {'mcap': 'docs/recording.md', 'rosbags': 'docs/recording.md',
           'playwright': 'CONTRIBUTING.md'}
 """Optional modules that no Debian package has, and the page that says how to install them."""
+BROUGHT = {'zstandard'}
+"""Modules that come with those: `mcap` needs it."""
 NOT_IMPORTED = {
     'launch': 'launch files; our folder has that name', 'ros2launch': '`ros2 launch`',
     'robot_state_publisher': 'started by a launch file',
@@ -61,7 +64,8 @@ def named(*tags: str) -> set[str]:
 def foreign(folder: str) -> set[str]:
     """Return the rosdep keys of other people's packages that a folder imports."""
     tops = {name.split('.')[0] for path in modules(folder).values() for name in imported(path)}
-    return {ROSDEP_KEYS.get(top, top) for top in tops - OURS - {*NO_KEY} - sys.stdlib_module_names}
+    return {ROSDEP_KEYS.get(top, top) for top in tops - OURS - {*NO_KEY} - BROUGHT
+            - sys.stdlib_module_names}
 
 
 def run_python(*arguments: str, timeout: float = 60) -> None:
@@ -78,6 +82,8 @@ def test_the_manifest_names_all_that_is_imported_and_nothing_else() -> None:
     assert needed <= given <= needed | {*NOT_IMPORTED}
     for module, page in NO_KEY.items():
         assert re.search(rf'pip install .*\b{module}\b', (ROOT / page).read_text('utf-8'))
+    versions = installing(*FOR_BAGS).strip('`').partition(" 'mcap")[2]
+    assert versions in (ROOT / NO_KEY['mcap']).read_text('utf-8')
 
 
 def test_the_version_and_the_licence_are_everywhere_the_same() -> None:

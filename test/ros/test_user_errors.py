@@ -5,6 +5,7 @@
 from contextlib import nullcontext
 from dataclasses import fields, replace
 import errno
+from importlib.metadata import PackageNotFoundError
 import os
 import re
 import signal
@@ -185,8 +186,6 @@ CLONE = '`make` in a clone of this repository, then `source env.sh` there'
     ('serial', VENV, 'none', "serial is missing: `'/home/me/my venv/python' -m pip install "
                              'pyserial`\n'),
     ('aiohttp', SYSTEM, 'none', 'aiohttp is missing: `sudo apt-get install python3-aiohttp`\n'),
-    ('rosbags.typesys', SYSTEM, 'jazzy',
-     'rosbags is missing: `python3 -m pip install --break-system-packages rosbags`\n'),
     ('numpy', VENV, 'jazzy', "numpy is missing: `'/home/me/my venv/python' -m pip install ")])
 def test_a_missing_part_is_one_sentence_that_fits_this_python(
         module, prefix, ros, sentence, monkeypatch, capsys, tmp_path):
@@ -209,6 +208,46 @@ def test_a_missing_part_is_one_sentence_that_fits_this_python(
     monkeypatch.setattr(signal, 'signal', lambda number, handler: None)
     assert programs.create_node() == 2
     assert capsys.readouterr().err.startswith(f'create_node: {sentence}')
+
+
+@pytest.mark.parametrize(('program', 'name', 'found', 'words'), [
+    ('create_record', 'rosbags', '0.10.4', 'rosbags 0.10.4 does not fit: `'),
+    ('create_report', 'rosbags', '0.12', 'rosbags 0.12 does not fit: `'),
+    ('create_demo', 'mcap', '1.4.9', 'mcap 1.4.9 does not fit: `'),
+    ('create_record', 'mcap', '2.0.0a1', 'mcap 2.0.0a1 does not fit: `'),
+])
+def test_another_version_of_a_library_is_refused_before_anything_is_written(
+        program, name, found, words, tmp_path):
+    metadata = tmp_path / 'site' / f'{name}-{found}.dist-info' / 'METADATA'
+    metadata.parent.mkdir(parents=True)
+    metadata.write_text(f'Metadata-Version: 2.1\nName: {name}\nVersion: {found}\n')
+    here = tmp_path / 'here'
+    here.mkdir()
+    path = os.pathsep.join(filter(None, (
+        str(tmp_path / 'site'), os.environ.get('PYTHONPATH'))))
+    said = one_sentence(run(program, 'walk', cwd=here, PYTHONPATH=path), program)
+    assert words in said and f"'{name}>=" in said and 'pip install' in said
+    assert not list(here.iterdir())
+
+
+@pytest.mark.parametrize(('prefix', 'line'), [
+    (SYSTEM, "`python3 -m pip install --break-system-packages 'mcap>=1.5,<2' "
+             "'rosbags>=0.11,<0.12'`"),
+    (VENV, "`'/home/me/my venv/python' -m pip install 'mcap>=1.5,<2' 'rosbags>=0.11,<0.12'`"),
+])
+def test_missing_libraries_for_bags_are_installed_by_one_line(
+        prefix, line, monkeypatch, capsys):
+    def missing(name):
+        raise PackageNotFoundError(name)
+    monkeypatch.setattr(programs, 'version', missing)
+    monkeypatch.setattr(sys, 'prefix', prefix)
+    monkeypatch.setattr(sys, 'base_prefix', SYSTEM)
+    monkeypatch.setattr(sys, 'executable', '/home/me/my venv/python')
+    monkeypatch.setattr(sys, 'argv', ['create_record'])
+    monkeypatch.setattr(signal, 'signal', lambda number, handler: None)
+    assert programs.create_record() == 2
+    assert capsys.readouterr().err == (
+        f'create_record: mcap is missing, rosbags is missing: {line}\n')
 
 
 # What a user may mistype when starting `create_node`.

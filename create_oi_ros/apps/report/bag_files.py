@@ -14,26 +14,24 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from contextlib import closing
 from heapq import heappop, heappush
-from importlib import import_module
-from io import BytesIO
-from os import SEEK_END
 from pathlib import Path
 import re
 import shutil
 import sqlite3
-from struct import unpack, unpack_from
 import sys
-from typing import Any, BinaryIO, NamedTuple
+from typing import BinaryIO, NamedTuple
 
-from rosbags.rosbag2.storage_mcap import decompress
+from mcap.exceptions import EndOfFile, RecordLengthLimitExceeded
+from mcap.records import Channel, DataEnd, McapRecord, Schema
+from mcap.records import Message as McapMessage
+from mcap.stream_reader import StreamReader
 import yaml
+import zstandard
 
-from ...ros.bags import BagError, DamageError, guarded, reading
+from ...ros.bags import BagError, DamageError, faults, guarded, reading
 
 MCAP, SQLITE, ZSTD = b'\x89MCAP0\r\n', b'SQLite format 3\0', b'\x28\xb5\x2f\xfd'
 """First bytes of the files, and of what is compressed."""
-SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 3, 4, 5, 6, 15
-"""Opcodes of MCAP records."""
 UNFINISHED = 'its recorder did not close it, so the last seconds may be missing'
 
 
@@ -87,7 +85,7 @@ class BagFiles:
 
     def _whole(self, time: int, _place: int, topic: Topic, raw: bytes) -> Message:
         with reading():
-            return topic, time, _zstd().decompress(raw) if raw.startswith(ZSTD) else raw
+            return topic, time, zstandard.decompress(raw) if raw.startswith(ZSTD) else raw
 
     def _files(self, path: Path) -> list[Path]:
         """Return the files of a bag, the oldest first."""
@@ -136,7 +134,7 @@ class BagFiles:
     def _unpacked(self, file: Path, folder: Path) -> Path:
         target = folder / file.stem
         try:
-            with _zstd().open(file) as packed, target.open('wb') as copy, reading():
+            with zstandard.open(file) as packed, target.open('wb') as copy, reading():
                 shutil.copyfileobj(packed, copy)
         except DamageError as error:
             self.faults.append(f'{file.name}: {error}')
@@ -166,63 +164,35 @@ class BagFiles:
             self.faults.append(fault)
 
     def _mcap(self, file: Path) -> Iterator[Message]:
-        schemas: dict[int, list[str]] = {0: ['', '', '']}
+        schemas = {0: ('', '', '')}
         topics: dict[int, Topic] = {}
         with file.open('rb') as stream:
-            stream.seek(len(MCAP))
-            for opcode, body in self._flattened(stream):
-                if opcode == MESSAGE:
-                    channel, _, time = unpack_from('<HIQ', body)
-                    if channel in topics:  # else the chunk with it is damaged
-                        yield topics[channel], time, body[22:]
-                elif opcode == SCHEMA:
-                    schemas[unpack_from('<H', body)[0]] = _texts(body, 2, 3)
-                elif opcode == CHANNEL:
-                    channel, schema = unpack_from('<HH', body)
-                    topics[channel] = Topic(*_texts(body, 4, 1), *schemas[schema])
-                elif opcode == DATA_END:
-                    return
-        raise DamageError(UNFINISHED)
+            for record in self._records(stream, file.stat().st_size):
+                match record:
+                    case McapMessage() if record.channel_id in topics:  # else that was damaged
+                        yield topics[record.channel_id], record.log_time, record.data
+                    case Schema():
+                        schemas[record.id] = record.name, record.encoding, record.data.decode()
+                    case Channel():
+                        topics[record.id] = Topic(record.topic, *schemas[record.schema_id])
 
-    def _flattened(self, stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
-        """Yield the records of an MCAP file, those inside of chunks instead of the chunks."""
-        for opcode, body in _records(stream):
-            if opcode != CHUNK:
-                yield opcode, body
-                continue
+    def _records(self, stream: BinaryIO, size: int) -> Iterator[McapRecord]:
+        """Yield the records of an MCAP file up to its last chunk, but for damaged chunks."""
+        stream.seek(len(MCAP))
+        while True:
+            reader = StreamReader(
+                stream, skip_magic=True, validate_crcs=True, record_size_limit=size)
             try:
-                with reading():
-                    size, checksum = unpack_from('<QI', body, 16)
-                    compression, = _texts(body, 28, 1)
-                    content = decompress(
-                        body[40 + len(compression):], compression, size, checksum)
-            except DamageError as error:
-                self._note(str(error))
-                continue
-            yield from _records(BytesIO(content))
-
-
-def _records(stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
-    """Yield opcode and content of MCAP records, up to one that is cut off."""
-    at = stream.tell()
-    end = stream.seek(0, SEEK_END)
-    stream.seek(at)
-    while at + 9 <= end:
-        opcode, size = unpack('<BQ', stream.read(9))
-        at += 9 + size
-        if at > end:
-            return
-        yield opcode, stream.read(size)
-
-
-def _texts(body: bytes, at: int, count: int) -> list[str]:
-    """Return texts that follow each other, each with its length before it."""
-    found = []
-    for _ in range(count):
-        size, = unpack_from('<I', body, at)
-        found.append(body[at + 4:at + 4 + size].decode())
-        at += 4 + size
-    return found
+                for record in reader.records:
+                    if isinstance(record, DataEnd):
+                        return
+                    yield record
+            except (EndOfFile, RecordLengthLimitExceeded):
+                raise DamageError(UNFINISHED) from None
+            except faults() as error:
+                if stream.tell() >= size:
+                    raise DamageError(UNFINISHED) from error
+                self._note(f'a chunk is damaged: {error}')  # the next record follows it
 
 
 def _sqlite_messages(address: str) -> Iterator[Message]:
@@ -238,8 +208,3 @@ def _sqlite_messages(address: str) -> Iterator[Message]:
                 'SELECT topic_id, timestamp, data FROM messages'):
             if number in topics:
                 yield topics[number], time, raw
-
-
-def _zstd() -> Any:
-    """Return the module that rosbags brings, or Python."""
-    return import_module('compression.zstd' if sys.version_info >= (3, 14) else 'backports.zstd')

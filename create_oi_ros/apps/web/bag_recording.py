@@ -13,10 +13,8 @@ import time
 
 from ...ros.node_arguments import names_only
 from ...ros.process import start
-from ...ros.topics import CMD_VEL
 from .access import Refused
 from .live_robot import LiveRobot
-from .web_node import WebNode
 
 
 def recorder_arguments(ros: Sequence[str]) -> list[str]:
@@ -28,9 +26,9 @@ def recorder_arguments(ros: Sequence[str]) -> list[str]:
 class BagRecording:
     """One recording at a time; the pages are shown how it is."""
 
-    def __init__(self, node: WebNode, robot: LiveRobot, ros_arguments: Sequence[str]) -> None:
+    def __init__(self, robot: LiveRobot, ros_arguments: Sequence[str]) -> None:
         """Give the recorder what it needs of the ROS arguments of this program."""
-        self._node, self._robot = node, robot
+        self._robot = robot
         self._ros = recorder_arguments(ros_arguments)
         self._process: subprocess.Popen[bytes] | None = None
         self._folder = Path()
@@ -54,10 +52,8 @@ class BagRecording:
             if self._process is not None:
                 raise Refused('a recording is under way, or its report is being made')
             self._folder = Path(f'record-{datetime.now():%Y%m%d-%H%M%S}').absolute()
-            stamped = any(each.topic_type.endswith('TwistStamped') for each
-                          in self._node.get_subscriptions_info_by_topic(CMD_VEL))
-            self._process = start('create_record', '-o', str(self._folder),
-                                  *(['--stamped'] if stamped else []), '--ros-args', *self._ros)
+            self._process = start('create_record', '-o', str(self._folder), '--ros-args',
+                                  *self._ros)
             self.report = None
             self._show('on')
         elif self._process is not None and self._target is None:

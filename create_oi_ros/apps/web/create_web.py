@@ -141,7 +141,7 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
     robot = LiveRobot()
     node = WebNode(robot)
     executor.add_node(node)
-    recording = BagRecording(node, robot, options.ros)
+    recording = BagRecording(robot, options.ros)
     viewers = Viewers(node, robot, recording)
     port = listener.getsockname()[1]
     server = WebServer(Access(token), viewers, recording, port, secure=tls is not None)
