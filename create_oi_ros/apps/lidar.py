@@ -14,6 +14,7 @@ from threading import Event
 import time
 from typing import Any
 
+from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import Transform, TransformStamped, Vector3
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -24,9 +25,12 @@ from std_msgs.msg import Header
 
 from tf2_msgs.msg import TFMessage
 
-from ..ros.process import call_on_signal, ros_executor
-from ..ros.topics import LATCHED
+from ..ros.messages import beside
+from ..ros.process import call_on_signal, ros_executor, spin_ready
+from ..ros.topics import LATCHED, MODE
+from ..ros.waiting import say_if_waiting
 
+FRAME = 'laser'
 HEIGHT = 0.12
 """Metres of the lidar above the floor."""
 START_TIME, RETRY_INTERVAL = 10.0, 0.1
@@ -36,21 +40,38 @@ START_TIME, RETRY_INTERVAL = 10.0, 0.1
 class LidarNode(Node):
     """Publishes `scan`, and where the lidar is on the robot."""
 
-    def __init__(self, frame: str, base_frame: str) -> None:
+    def __init__(self, frame: str = '', base_frame: str = '') -> None:
+        """Take the frames that are not given from the driver, which names its own in `mode`."""
         super().__init__('create_lidar')
-        self._frame = frame
+        self._wanted, self._base_frame, self.frame = frame, '', ''
         self._scans = self.create_publisher(LaserScan, 'scan', qos_profile_sensor_data)
         self._transforms = self.create_publisher(TFMessage, '/tf_static', LATCHED)
+        if base_frame:
+            self._mount(base_frame)
+        else:
+            self.create_subscription(Mode, MODE.name, self._on_mode, MODE.qos)
+
+    def _on_mode(self, mode: Mode) -> None:
+        self._mount(mode.header.frame_id)
+
+    def _mount(self, base_frame: str) -> None:
+        """Publish where the lidar is on a robot with this frame, unless it is there already."""
+        if base_frame == self._base_frame:
+            return
+        self._base_frame = base_frame
+        self.frame = self._wanted or beside(base_frame, FRAME)
         self._transforms.publish(TFMessage(transforms=[TransformStamped(
             header=Header(frame_id=base_frame, stamp=self.get_clock().now().to_msg()),
-            child_frame_id=frame, transform=Transform(translation=Vector3(z=HEIGHT)))]))
+            child_frame_id=self.frame, transform=Transform(translation=Vector3(z=HEIGHT)))]))
 
     def publish(self, scan: dict[str, Any]) -> None:
         """Publish a turn, stamped at its middle; its beams count as measured at once."""
+        if not self.frame:
+            return
         stamp = self.get_clock().now() - Duration(seconds=scan['age'])
         ranges = [inf if each is None else each for each in scan['ranges']]
         self._scans.publish(LaserScan(
-            header=Header(frame_id=self._frame, stamp=stamp.to_msg()), ranges=ranges,
+            header=Header(frame_id=self.frame, stamp=stamp.to_msg()), ranges=ranges,
             angle_min=-pi, angle_max=pi - tau / len(ranges), angle_increment=tau / len(ranges),
             scan_time=scan['turn'], range_min=scan['nearest'], range_max=scan['farthest']))
 
@@ -86,9 +107,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog='create_lidar', description=__doc__, epilog='in a namespace: --ros-args -r __ns:=/r1')
     parser.add_argument('--control', type=Path, required=True, metavar='PATH',
                         help='control socket of create_sim')
-    parser.add_argument('--frame', default='laser', help='of the scans (default: %(default)s)')
-    parser.add_argument('--base-frame', default='base_footprint',
-                        help="the robot's frame (default: %(default)s)")
+    parser.add_argument('--frame', default='', help=(
+        f"of the scans (default: {FRAME}, with the prefix of the robot's frame)"))
+    parser.add_argument('--base-frame', default='', help=(
+        "the robot's frame (default: base_frame of the driver)"))
     options = parser.parse_args(remove_ros_args(given)[1:])
     connection, ended = socket.socket(socket.AF_UNIX), Event()
 
@@ -101,7 +123,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         node = LidarNode(options.frame, options.base_frame)
         executor.add_node(node)
         connect(connection, options.control, ended)
+        say_if_waiting(
+            node, 'a driver, whose frame it shares,', lambda: not node.frame,
+            lambda why: print(f'create_lidar: {why}', file=sys.stderr, flush=True))
         with suppress(OSError):  # the simulator has ended
             for scan in scans(connection):
+                spin_ready(executor)
                 node.publish(scan)
     return 0

@@ -77,13 +77,16 @@ def empty_joint_states() -> JointState:
 
 
 GYRO_FRAME = 'gyro_link'
-"""The gyro's frame; it has the prefix of the base's."""
+
+
+def beside(base_frame: str, name: str) -> str:
+    """Return the name of a part's frame, with the prefix that the base's has."""
+    return ''.join(base_frame.rpartition('/')[:2]) + name
 
 
 def empty_imu(base_frame: str) -> Imu:
     """Return a message to be filled with `imu`; it says that only the turn rate is measured."""
-    prefix = ''.join(base_frame.rpartition('/')[:2])
-    message = Imu(header=Header(frame_id=prefix + GYRO_FRAME))
+    message = Imu(header=Header(frame_id=beside(base_frame, GYRO_FRAME)))
     message.orientation_covariance[0] = message.linear_acceleration_covariance[0] = -1.0
     message.angular_velocity_covariance[0] = NOT_MEASURED
     message.angular_velocity_covariance[4] = NOT_MEASURED

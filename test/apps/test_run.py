@@ -306,6 +306,39 @@ def test_scans_of_a_room_come_as_slam_and_nav2_expect_them(stage):
     assert 'Traceback' not in run.output
 
 
+FRAMES = """
+/robot1/create:
+  ros__parameters: {odom_frame: robot1/odom, base_frame: robot1/base_link}
+"""
+
+
+@pytest.mark.parametrize(('arguments', 'tree'), [
+    (['-p', 'base_frame:=base_link'], ['odom', 'base_link', 'laser']),
+    (['-r', '__ns:=/robot1', '--params-file', 'frames.yaml'],
+     ['robot1/odom', 'robot1/base_link', 'robot1/laser'])])
+def test_what_run_starts_shares_the_frames_of_the_robot(
+        stage, tmp_path, monkeypatch, arguments, tree):
+    monkeypatch.chdir(tmp_path)
+    Path('frames.yaml').write_text(FRAMES)
+    space = '/robot1' if '/' in tree[0] else ''
+    stage.program('create_run', '--world', 'room', '--lidar', '--ros-args', *arguments)
+    scans = stage.ros.listen(LaserScan, f'{space}/scan', qos_profile_sensor_data)
+    moving = stage.ros.listen(TFMessage, '/tf')
+    fixed = stage.ros.listen(TFMessage, '/tf_static', LATCHED)
+    stage.ros.until(lambda: scans and moving and fixed)
+    found = {(each.header.frame_id, each.child_frame_id)
+             for message in (*moving, *fixed) for each in message.transforms}
+    assert found == {(tree[0], tree[1]), (tree[1], tree[2])}
+    assert {each.header.frame_id for each in scans} == {tree[2]}
+
+
+def test_a_lidar_without_a_driver_says_what_it_waits_for(stage):
+    stage.program('create_sim', '--link', str(stage.folder / 'create'), '--control',
+                  str(stage.folder / 'control'), '--world', 'empty')
+    lidar = stage.program('create_lidar', '--control', str(stage.folder / 'control'))
+    stage.ros.until(lambda: 'waits for a driver, whose frame it shares' in lidar.output)
+
+
 def test_where_nothing_is_near_all_ranges_are_infinite_and_the_end_of_the_robot_is_its_end(stage):
     sim = stage.program('create_sim', '--link', str(stage.folder / 'create'), '--control',
                         str(stage.folder / 'control'), '--world', 'empty')

@@ -89,7 +89,7 @@ def node(tmp_path_factory):
         rclpy.init(args=[], domain_id=domain)
         made = CreateNode(Future(), parameter_overrides=[Parameter('gyro', value='analog')])
         web = WebNode(LiveRobot())
-        lidar, record = LidarNode('laser', 'base_footprint'), rclpy.create_node('create_record')
+        lidar, record = LidarNode(), rclpy.create_node('create_record')
         recorder = Recorder(record, tmp_path_factory.mktemp('bags') / 'bag')
         for name in GOALS:
             web.action_client(name)  # as a page that has sent every goal
