@@ -14,12 +14,13 @@ from functools import partial
 from create_oi_msgs.msg import Mode
 from rclpy.node import Node
 from rclpy.qos import ReliabilityPolicy
+from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from . import topics
 from .parameters import Parameters
 from .topics import CMD_VEL, type_name
-from .velocity import type_name_of, TYPES, UNNAMED, VelocityInput
+from .velocity import MODE_TYPE, type_name_of, TYPES, UNNAMED, VelocityInput
 
 ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
 
@@ -38,8 +39,10 @@ class GraphWatch:
         self._tf = node.resolve_topic_name(topics.TF.name)
         self._warn = warn
         self._warned: set[str] = set()
+        self._modes: dict[str, Subscription | None] = {}
+        """Subscriptions to other drivers, by the names of their topics `mode`; None: refused."""
         self._base_frames: dict[str, str] = {}
-        """Base frames of other drivers, by the names of their topics `mode`."""
+        """Base frames of these drivers."""
         self._were_unnamed = False
         """Whether a publisher had no name at the last look."""
         self.publishers: tuple[str, ...] = ()
@@ -105,7 +108,7 @@ class GraphWatch:
     def _other_topics(self) -> Iterator[str]:
         """Find commands in another namespace, and other drivers with the same frames."""
         for topic, types in self._node.get_topic_names_and_types():
-            if f'create_oi_msgs/msg/{Mode.__name__}' in types and topic != self._mode:
+            if MODE_TYPE in types and topic != self._mode:
                 yield from self._same_frames(topic)
             # Only one of both is in a namespace; else another robot is meant.
             if (topic.endswith(f'/{CMD_VEL}') and topic != self._topic
@@ -121,14 +124,18 @@ class GraphWatch:
         """Compare frames with a driver that publishes its mode on another topic."""
         if not self._parameters.publish_tf:
             return
-        if topic not in self._base_frames:
-            self._base_frames[topic] = ''
+        publishers = self._names_of_publishers(topic)
+        if publishers and topic not in self._modes:
+            self._modes[topic] = None
             with suppress(RuntimeError):  # in a secured domain it is not allowed
-                self._velocity.node.create_subscription(
+                self._modes[topic] = self._velocity.node.create_subscription(
                     Mode, topic, partial(self._on_mode, topic), topics.LATCHED)
-        others = self._names_of_publishers(topic) & self._names_of_publishers(self._tf)
+        elif not publishers and (ended := self._modes.pop(topic, None)) is not None:
+            self._velocity.node.destroy_subscription(ended)
+            self._base_frames.pop(topic, None)
+        others = publishers & self._names_of_publishers(self._tf)
         base = self._parameters.base_frame
-        if others and self._base_frames[topic] == base:
+        if others and self._base_frames.get(topic) == base:
             robot = self._node.get_namespace().strip('/') or 'robot1'
             yield (f'{", ".join(sorted(others))} publishes a transform to {base} on {self._tf}, '
                    'as this driver does, so the robot jumps between two poses: give each robot '

@@ -11,15 +11,17 @@ import time
 
 import pytest
 
+from create_oi_ros import oi
 from create_oi_ros.apps.check.moves import Move, Reads, Segment, STEPS
 from create_oi_ros.apps.check.questions import by_tape, in_lines, Person
+from create_oi_ros.apps.check.robot_line import RobotLine
 from create_oi_ros.apps.check.runner import Notebook, Runner
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_gyro, of_wheels
 from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import GyroSettings, Knowledge, Rounding, SignSource
 from create_oi_ros.odometry.gyro import STEP
 from create_oi_ros.ros.odometry_model import parsed, text_of
-from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS, UserError
 from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY
 from create_oi_ros.sim.body.gyro import Gyro
 from support.loop import Loop
@@ -159,6 +161,21 @@ def test_ctrl_c_stops_the_wheels(tmp_path):
             assert time.monotonic() < deadline
     assert (tmp_path / 'all.capture').stat().st_size > 1000
     assert not (tmp_path / 'robot.yaml').exists()
+
+
+@pytest.mark.filterwarnings('ignore::pytest.PytestUnhandledThreadExceptionWarning')
+def test_a_port_that_fails_ends_what_waits_for_the_robot(tmp_path):
+    def fail():
+        raise RuntimeError('a fault on purpose')
+    with taught(tmp_path) as (port, _):
+        line = RobotLine(str(port), 57600, str(tmp_path / 'all.capture'))
+        with line.open():
+            line.wait_for_robot()
+            line.session.port.read = fail
+            for wait in (lambda: line.enter(oi.Mode.FULL), lambda: line.make(STEPS[0].moves[0]),
+                         line.wait_for_robot):
+                with pytest.raises(UserError, match='the line to the robot has failed'):
+                    wait()
 
 
 @pytest.mark.parametrize(('arguments', 'said'), [

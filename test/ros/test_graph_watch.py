@@ -4,6 +4,7 @@
 
 from contextlib import closing, ExitStack
 
+from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
@@ -121,6 +122,16 @@ def test_two_robots_with_the_same_frames_are_reported(stage):
     assert 'robot answers' in third.output
     assert '/three/create publishes' not in ''.join(node.output for node in nodes)
     assert 'publishes a transform' not in third.output
+
+
+def test_the_mode_of_another_driver_is_heard_while_it_runs(ready, other):
+    count = ready.ros.node.count_subscribers
+    for _ in range(2):
+        driver = other('create')
+        driver.node.create_publisher(Mode, '/second/mode', LATCHED)
+        ready.ros.until(lambda: count('/second/mode') == 1, 'the driver listens to it')
+        driver.node.destroy_node()
+        ready.ros.until(lambda: count('/second/mode') == 0, 'and does not any more')
 
 
 def test_two_drivers_of_one_name_are_reported(stage):

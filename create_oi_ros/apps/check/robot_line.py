@@ -4,6 +4,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import inf
 import threading
 import time
 
@@ -71,14 +72,18 @@ class RobotLine:
 
     def until(self, happened: Callable[[Health], bool], seconds: float) -> bool:
         """Wait until something is the case; False: it did not become so in time."""
+        return self._wait(lambda: happened(self.health()), seconds)
+
+    def _wait(self, done: Callable[[], bool], seconds: float = inf) -> bool:
+        """Wait until something is done; False: not in time. UserError: the line has failed."""
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            if self.lost.is_set():
-                raise UserError('the line to the robot has failed')
-            if happened(self.health()):
+        while not self.lost.is_set():
+            if done():
                 return True
+            if time.monotonic() > end:
+                return False
             time.sleep(TURN)
-        return False
+        raise UserError('the line to the robot has failed; see above for why')
 
     def wait_for_robot(self) -> None:
         """Wait until the robot answers; UserError: it does not."""
@@ -90,8 +95,8 @@ class RobotLine:
         """Ask for a mode; return how that ended."""
         with self.session.request() as (driver, now):
             pending = driver.modes.set(mode, now)
-        while pending.outcome is None:
-            time.sleep(TURN)
+        self._wait(lambda: pending.outcome is not None)
+        assert pending.outcome is not None
         return pending.outcome
 
     def send_raw(self, data: bytes) -> None:
@@ -106,12 +111,10 @@ class RobotLine:
         """Make a move; False: something disturbed it, and the wheels stand."""
         with self.session.request() as (_driver, _now):
             self.runner.begin(move)
-        while True:
+
+        def made() -> bool:
             with self.session.request() as (_driver, now):
                 self.runner.poll(now)
-                if not self.runner.busy:
-                    break
-            if self.lost.is_set():
-                raise UserError('the line to the robot has failed')
-            time.sleep(TURN)
+            return not self.runner.busy
+        self._wait(made)
         return self.runner.disturbance is None
