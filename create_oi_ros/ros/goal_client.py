@@ -3,14 +3,14 @@
 """
 Goals and services for programs of a few lines: send one, wait or look after it, get its result.
 
-Ctrl-C cancels the goal that runs, and ends the program with one line. So rclpy must not handle
-signals: it would shut ROS down before the cancel is sent. Nor may one interrupt rclpy, which might
-not receive anything afterwards: while rclpy runs, the handler only notes it.
+What fails is a GoalFailed. Ctrl-C cancels the goal that runs, and ends the program with one line.
+So rclpy must not handle signals: it would shut ROS down before the cancel is sent. Nor may one
+interrupt rclpy, which might not receive anything afterwards: while rclpy runs, the handler only
+notes it.
 """
 
 from collections.abc import Callable, Mapping
 from math import inf
-from numbers import Integral, Real
 import signal
 import sys
 from threading import current_thread, main_thread
@@ -27,6 +27,7 @@ from rclpy.task import Future
 from rclpy.utilities import ok
 
 from .actions import ALL_ACTIONS, malformed
+from .messages import filled
 from .process import end_in_time, STOP_SIGNALS
 from .programs import INTERRUPTED
 from .services import SERVICES
@@ -42,39 +43,16 @@ TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
 SERVICE_TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 
 
-class GoalFailed(SystemExit):
-    """A goal or a call that failed; unless it is caught, the program ends with its one line."""
+class GoalFailed(Exception):
+    """A goal or a call that failed; the message is a sentence for people."""
 
 
-def filled(message: Any, values: Mapping[str, Any], where: str) -> Any:
-    """
-    Set fields of a message, also those of messages in it, and return it.
-
-    A mapping stands for a message in it. A whole number becomes a float where the field is one.
-    GoalFailed: there is no such field, or the value does not fit; without its check fields, ROS
-    would send something else, or abort.
-    """
-    types = message.get_fields_and_field_types()
-    for field, value in values.items():
-        if field not in types:
-            raise GoalFailed(f'{where} has no field {field!r:.50}; allowed: '
-                             f'{", ".join(types) or "none"}')
-        present = getattr(message, field)
-        if hasattr(value, 'get_fields_and_field_types') and type(value) is type(present):
-            value = {part: getattr(value, part) for part in value.get_fields_and_field_types()}
-        try:
-            if isinstance(value, Mapping) and '/' in types[field]:
-                value = filled(type(present)(check_fields=True), value, f'{where}: {field}')
-            elif isinstance(value, Real) and not isinstance(value, bool):
-                if isinstance(present, float):
-                    value = float(value)
-                elif isinstance(value, Integral):  # such as one of numpy's
-                    value = int(value)
-            setattr(message, field, value)
-        except (AssertionError, OverflowError):  # 10 ** 400 is no float
-            raise GoalFailed(f'{where}: {field} = {value!r:.50}; allowed is a value of type '
-                             f'{types[field]}') from None
-    return message
+def _request(type_: Any, fields: Mapping[str, Any], where: str) -> Any:
+    """Return a message with these fields; GoalFailed: one does not exist, or does not fit."""
+    try:
+        return filled(type_(check_fields=True), fields, where)
+    except ValueError as error:
+        raise GoalFailed(str(error)) from None
 
 
 class _Interrupts:
@@ -179,7 +157,7 @@ class GoalClient:
             raise GoalFailed(f'no action {name!r}; there are {", ".join(TYPES)}')
         if self._sent is not None and not self.is_complete():
             raise GoalFailed(f'{self._goal} still runs: wait until is_complete(), or cancel()')
-        request = filled(TYPES[name].Goal(check_fields=True), goal, name)
+        request = _request(TYPES[name].Goal, goal, name)
         if name not in self._clients:
             self._clients[name] = ActionClient(self.node, TYPES[name], name)
         self._find(name, f'the action {name}', self._clients[name].server_is_ready)
@@ -224,13 +202,16 @@ class GoalClient:
         """Call the service with this name; return its reply, or raise GoalFailed."""
         if name not in SERVICE_TYPES:
             raise GoalFailed(f'no service {name!r}; there are {", ".join(SERVICE_TYPES)}')
-        request = filled(SERVICE_TYPES[name].Request(check_fields=True), fields, name)
+        request = _request(SERVICE_TYPES[name].Request, fields, name)
         if name not in self._services:
             self._services[name] = self.node.create_client(SERVICE_TYPES[name], name)
         self._find(name, f'the service {name}', self._services[name].service_is_ready)
         answer = self._services[name].call_async(request)
-        if not self._wait(answer.done, ANSWER_TIMEOUT):
-            raise GoalFailed(f'{name}: the driver does not answer')
+        try:
+            if not self._wait(answer.done, ANSWER_TIMEOUT):
+                raise GoalFailed(f'{name}: the driver does not answer')
+        finally:
+            self._services[name].remove_pending_request(answer)
         if not answer.result().success:
             raise GoalFailed(f'{name}: {answer.result().message}')
         return answer.result()

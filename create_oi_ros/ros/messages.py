@@ -7,9 +7,10 @@ Units are SI here; nowhere else are they converted. A message that is published 
 and filled again: `odometry(message, estimate)` sets the fields that change, for example.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import IntFlag
 from math import atan2, cos, nan, remainder, sin, tau
+from numbers import Integral, Real
 from typing import Any
 
 from builtin_interfaces.msg import Duration, Time
@@ -260,6 +261,37 @@ def nanoseconds(stamp: Time) -> int:
 def leds(request: Any) -> oi.Leds:
     bits = oi.LedBits.PLAY * request.play | oi.LedBits.ADVANCE * request.advance
     return oi.Leds(bits=bits, color=request.power_color, intensity=request.power_intensity)
+
+
+def filled(message: Any, values: Mapping[str, Any], where: str) -> Any:
+    """
+    Set fields of a message, also those of messages in it, and return it.
+
+    A mapping stands for a message in it. A whole number becomes a float where the field is one.
+    ValueError: there is no such field, or the value does not fit; without its check fields, ROS
+    would send something else, or abort.
+    """
+    types = message.get_fields_and_field_types()
+    for field, value in values.items():
+        if field not in types:
+            raise ValueError(f'{where} has no field {field!r:.50}; allowed: '
+                             f'{", ".join(types) or "none"}')
+        present = getattr(message, field)
+        if hasattr(value, 'get_fields_and_field_types') and type(value) is type(present):
+            value = {part: getattr(value, part) for part in value.get_fields_and_field_types()}
+        try:
+            if isinstance(value, Mapping) and '/' in types[field]:
+                value = filled(type(present)(check_fields=True), value, f'{where}: {field}')
+            elif isinstance(value, Real) and not isinstance(value, bool):
+                if isinstance(present, float):
+                    value = float(value)
+                elif isinstance(value, Integral):  # such as one of numpy's
+                    value = int(value)
+            setattr(message, field, value)
+        except (AssertionError, OverflowError):  # 10 ** 400 is no float
+            raise ValueError(f'{where}: {field} = {value!r:.50}; allowed is a value of type '
+                             f'{types[field]}') from None
+    return message
 
 
 def of_yaw(yaw: float) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from create_oi_msgs.action import LedAnimation
 
 from ...robot import TOP_SPEED
 from ...ros.actions import ALL_ACTIONS, malformed
-from ...ros.goal_client import filled, GoalFailed
+from ...ros.messages import filled
 from ...ros.services import SERVICES
 from .access import TOP_TURN
 
@@ -106,7 +106,7 @@ def _message(type_: Any, fields: Mapping[str, Any], where: str) -> Any:
     """Return a message of ROS with these fields."""
     try:
         return filled(type_(check_fields=True), fields, where)
-    except GoalFailed as error:
+    except ValueError as error:
         raise MessageError(str(error)) from None
 
 

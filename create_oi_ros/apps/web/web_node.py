@@ -111,10 +111,13 @@ class WebNode(Node):
         client = self._service_clients[service]
         if not await found(client.service_is_ready):
             return self.nobody_offers(service)
+        answer = client.call_async(request or CALLS[service].Request())
         try:
-            reply = await awaited(client.call_async(request or CALLS[service].Request()))
+            reply = await awaited(answer)
         except TimeoutError as error:
             return Reply(False, str(error))
+        finally:
+            client.remove_pending_request(answer)
         return Reply(bool(reply.success), str(reply.message))
 
 
