@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from configparser import ConfigParser
 from functools import cache
 import json
-from math import hypot
+from math import hypot, radians, sqrt, tau
 from pathlib import Path
 import re
 import shlex
@@ -90,7 +90,7 @@ def frame(name: str, others: dict[str, Any]) -> str:
         return Parameters.base_frame
     if name.startswith(('odom', 'local', 'fixed', 'world')):
         return Parameters.odom_frame
-    assert name.startswith(('map', 'global'))
+    assert name.startswith(('map', 'global', 'route'))
     return Parameters.odom_frame if others.get('rolling_window') else 'map'
 
 
@@ -150,6 +150,12 @@ def test_nav2_commands_only_possible_speeds():
     assert f'/{nav2("collision_monitor")["cmd_vel_out_topic"]}' in OURS
 
 
+def test_nav2_is_patient_on_a_loaded_computer():
+    assert nav2('bt_navigator')['default_server_timeout'] == 1000  # ms
+    assert nav2('controller_server')['FollowPath.transform_tolerance'] == 0.5
+    assert nav2('collision_monitor')['transform_tolerance'] == 0.5
+
+
 def test_a_stick_commands_only_possible_speeds_and_often_enough():
     stick = nodes('teleop_twist_joy.yaml')['teleop_twist_joy_node']
     assert stick['publish_stamped_twist'] is False  # as in nav2.yaml
@@ -172,6 +178,17 @@ def test_the_filter_takes_speeds_from_the_driver(stage):
         assert 0 < heard[-1].twist.covariance[7 * (place - 6)] < 0.1
     assert len(filtered['odom0_config']) == len(filtered['imu0_config']) == 15
     assert 'publish_tf:=false' in (PAGES / 'robot_localization.md').read_text('utf-8')
+
+
+def test_the_filter_is_about_as_sure_as_the_driver_and_stays_so_while_the_robot_stands():
+    filtered = nodes('ekf.yaml')['ekf_filter_node']
+    assert filtered['dynamic_process_noise_covariance'] is True  # times the square of the speeds
+    noise = filtered['process_noise_covariance']
+    assert len(noise) == 15 * 15 and all(type(each) is float for each in noise)
+    assert all(each > 0 if place % 16 == 0 else each == 0 for place, each in enumerate(noise))
+    assert noise[0] == noise[16]
+    along, turn = sqrt(noise[0] * 0.3 ** 2 * 30), sqrt(noise[5 * 16] * tau)  # 9 m; at 1 rad/s
+    assert 0.02 < along < 0.06 and radians(0.3) < turn < radians(0.7)
 
 
 def test_every_status_of_the_driver_is_in_one_group():
