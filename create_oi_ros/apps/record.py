@@ -47,8 +47,7 @@ def record(folder: Path, arguments: list[str], ended: Future) -> Recorder | None
             recorder.close()
         except OSError as error:
             say(f'recording has ended: {error}', '\n' if sys.stdout.isatty() else '')
-            if recorder.saved:
-                say(f'{recorder.saved} messages are in {folder}; create_report reads them')
+            say(f'all but the last second is in {folder}; create_report reads it')
             return None
     return recorder
 

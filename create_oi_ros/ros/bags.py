@@ -1,9 +1,9 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Bags: what a damaged one causes, and a recorder of the driver's topics and its commands.
+A recorder of the driver's topics and its commands, and the types of their messages.
 
-The libraries `mcap` and `rosbags` read and write them without an installed rosbag2.
+The libraries `mcap` and `rosbags` write bags without an installed rosbag2.
 """
 
 from collections import Counter
@@ -13,10 +13,8 @@ from dataclasses import dataclass
 from functools import partial
 import os
 from pathlib import Path
-import struct
-import sys
 import time
-from typing import Any, TypeVar
+from typing import Any
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
 from mcap.writer import CompressionType, Writer
@@ -32,11 +30,9 @@ import yaml
 
 from tf2_msgs.msg import TFMessage
 
-from .programs import UserError
 from .topics import ALL_TOPICS, CMD_VEL, LATCHED, type_name
 from .velocity import COMMANDS, driver_type
 
-Item = TypeVar('Item')
 DESCRIPTION = 'robot_description'
 SAVED = 1.0
 """Seconds between two writes to the file; what `kill -9` or a full disk loses at most."""
@@ -45,46 +41,6 @@ FITTED = 0.2
 FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 METADATA_VERSION = 9
 """Of rosbag2 in Jazzy."""
-
-
-class BagError(UserError):
-    """A bag cannot be read or is not of this driver; the message is one sentence."""
-
-
-class DamageError(Exception):
-    """The content of a bag cannot be read; the message is that of the library."""
-
-
-FAULTS = (
-    AssertionError, AttributeError, EOFError, LookupError, MemoryError, OSError, OverflowError,
-    RuntimeError, TypeError, ValueError, struct.error)
-"""What Python raises when damaged bytes are read."""
-LIBRARY_FAULTS = {
-    'mcap.exceptions': 'McapError', 'zstandard': 'ZstdError', 'sqlite3': 'Error',
-    'rosbags.serde': 'SerdeError', 'rosbags.typesys': 'TypesysError', 'yaml': 'YAMLError'}
-"""Exceptions of libraries, by module."""
-
-
-def faults() -> tuple[type[Exception], ...]:
-    """Return the exceptions that a broken file causes in the libraries that are loaded."""
-    return (*FAULTS, *(getattr(sys.modules[module], name)
-                       for module, name in LIBRARY_FAULTS.items() if module in sys.modules))
-
-
-@contextmanager
-def reading() -> Iterator[None]:
-    """Turn what a broken file causes into DamageError."""
-    try:
-        yield
-    except faults() as error:
-        raise DamageError(
-            ' '.join(str(error).split())[:200] or type(error).__name__) from error
-
-
-def guarded(items: Iterable[Item]) -> Iterator[Item]:
-    """Yield what is read, under `reading`; exceptions of the caller are not changed."""
-    with reading():
-        yield from items
 
 
 def definitions() -> Typestore:
@@ -134,8 +90,6 @@ class Recorder:
         """Times of the first and the newest message, ns."""
         self._whole = 0
         """Bytes of the file that end with a whole chunk."""
-        self.saved = 0
-        """Messages that are in the file already, of all topics."""
         self.topics = [self._recorded(each.name, (each.type,), each.qos) for each in ALL_TOPICS]
         # Best effort, which gets what any publisher of commands sends.
         self.topics.append(self._recorded(
@@ -229,7 +183,7 @@ class Recorder:
         """Write what has arrived as a chunk of its own: readers recover whole chunks only."""
         with self._whole_chunks():
             self._file.flush()
-        self._whole, self.saved = self._stream.tell(), self.counts.total()
+        self._whole = self._stream.tell()
 
     @contextmanager
     def _whole_chunks(self) -> Iterator[None]:

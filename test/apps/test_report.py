@@ -4,8 +4,6 @@
 
 from bisect import bisect_right
 from contextlib import suppress
-from importlib import import_module
-from importlib.util import find_spec
 from math import inf, isnan, nan
 from pathlib import Path
 import shutil
@@ -30,13 +28,13 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from std_msgs.msg import String
 
 from create_oi_ros.apps.report import page
+from create_oi_ros.apps.report.bag_files import BagError, DamageError, reading
 from create_oi_ros.apps.report.bag_reader import read, RecordingBuilder
 from create_oi_ros.apps.report.create_report import main
 from create_oi_ros.apps.report.page import kept, packed, steps, write
 from create_oi_ros.apps.report.recording import Recording, Span, Spans
 from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
 from create_oi_ros.ros import programs
-from create_oi_ros.ros.bags import BagError, DamageError, faults, LIBRARY_FAULTS, reading
 from support import bags
 
 
@@ -180,10 +178,6 @@ def test_our_own_error_is_not_reported_as_damage(bag, monkeypatch):
 
 
 def test_only_what_a_broken_file_causes_counts_as_damage():
-    for module, name in LIBRARY_FAULTS.items():
-        if find_spec(module.partition('.')[0]) and (module != 'compression.zstd'
-                                                    or sys.version_info >= (3, 14)):
-            assert issubclass(getattr(import_module(module), name), faults()), module
     with pytest.raises(DamageError, match='codec'), reading():
         b'\xff'.decode()
     with pytest.raises(ZeroDivisionError), reading():

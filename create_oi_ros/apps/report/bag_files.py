@@ -12,27 +12,53 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from heapq import heappop, heappush
 from pathlib import Path
 import re
 import shutil
 import sqlite3
+import struct
 import sys
 from typing import BinaryIO, NamedTuple
 
-from mcap.exceptions import EndOfFile, RecordLengthLimitExceeded
+from mcap.exceptions import EndOfFile, McapError, RecordLengthLimitExceeded
 from mcap.records import Channel, DataEnd, McapRecord, Schema
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import StreamReader
+from rosbags.serde import SerdeError
+from rosbags.typesys import TypesysError
 import yaml
 import zstandard
 
-from ...ros.bags import BagError, DamageError, faults, guarded, reading
+from ...ros.programs import UserError
 
 MCAP, SQLITE, ZSTD = b'\x89MCAP0\r\n', b'SQLite format 3\0', b'\x28\xb5\x2f\xfd'
 """First bytes of the files, and of what is compressed."""
 UNFINISHED = 'its recorder did not close it, so the last seconds may be missing'
+FAULTS = (
+    AssertionError, AttributeError, EOFError, LookupError, MemoryError, OSError, OverflowError,
+    RuntimeError, TypeError, ValueError, struct.error,
+    McapError, SerdeError, TypesysError, sqlite3.Error, yaml.YAMLError, zstandard.ZstdError)
+"""What Python and the libraries raise when damaged bytes are read."""
+
+
+class BagError(UserError):
+    """A bag cannot be read or is not of this driver; the message is one sentence."""
+
+
+class DamageError(Exception):
+    """The content of a bag cannot be read; the message is that of the library."""
+
+
+@contextmanager
+def reading() -> Iterator[None]:
+    """Turn what a broken file causes into DamageError."""
+    try:
+        yield
+    except FAULTS as error:
+        raise DamageError(
+            ' '.join(str(error).split())[:200] or type(error).__name__) from error
 
 
 class Topic(NamedTuple):
@@ -155,7 +181,8 @@ class BagFiles:
         """Yield all messages, as they lie in the files."""
         for source in self._sources:
             try:
-                yield from guarded(source())
+                with reading():
+                    yield from source()
             except DamageError as error:
                 self._note(str(error))
 
@@ -189,7 +216,7 @@ class BagFiles:
                     yield record
             except (EndOfFile, RecordLengthLimitExceeded):
                 raise DamageError(UNFINISHED) from None
-            except faults() as error:
+            except FAULTS as error:
                 if stream.tell() >= size:
                     raise DamageError(UNFINISHED) from error
                 self._note(f'a chunk is damaged: {error}')  # the next record follows it

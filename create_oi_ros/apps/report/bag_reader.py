@@ -18,11 +18,11 @@ from rosbags.typesys.store import Typestore
 
 from ...oi import ChargingState, Mode
 from ...robot import TOP_SPEED
-from ...ros.bags import BagError, DamageError, definitions, reading
+from ...ros.bags import definitions
 from ...ros.diagnostics import HARDWARE, LINK, PARAMETERS
 from ...ros.messages import charging_name, mode_name, yaw_of
 from ...ros.topics import CMD_VEL, PUBLISHED, type_name
-from .bag_files import BagFiles, Topic
+from .bag_files import BagError, BagFiles, DamageError, reading, Topic
 from .recording import Recording, Span, Spans, TOPICS
 
 GAP, SILENCE = 0.5, 2.0
