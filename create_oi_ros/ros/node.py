@@ -23,7 +23,7 @@ from ..link.capture import Capture
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, messages, node_arguments, parameters, services, topics
-from .actions import Actions, ALL_ACTIONS
+from .actions import Actions
 from .graph_watch import GraphWatch
 from .odometry_model import ModelKeeper
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
@@ -32,16 +32,6 @@ from .velocity import VelocityInput
 from .waiting import announce
 
 DIAGNOSTICS_PERIOD = 1.0
-
-NAMES = (
-    topics.CMD_VEL, topics.GOAL_POSE, *(topic.name for topic in topics.ALL_TOPICS),
-    '/tf_static', '/clock', '/rosout', '/parameter_events',
-    *(service.name for service in services.SERVICES),
-    *(f'~/{name}_parameters' for name in ('describe', 'get', 'list', 'set')),
-    '~/get_parameter_types', '~/set_parameters_atomically', '~/get_type_description',
-    *(f'{action.name}/_action/{part}' for action in ALL_ACTIONS for part in (
-        'send_goal', 'cancel_goal', 'get_result', 'feedback', 'status')))
-"""All names that a remap rule can change, and `/tf_static`, which people remap for every node."""
 
 
 class CreateNode(Node):
@@ -248,14 +238,8 @@ def run(program: str, make: Callable[[Future], list[CreateNode]]) -> int:
         except ValueError as error:
             print(f'{program}: {error}', file=sys.stderr)
             return 2
-        names = [(node.get_namespace(), node.get_name()) for node in nodes]
-        for sentence in node_arguments.unused_remaps(sys.argv, names, NAMES):
-            nodes[0].get_logger().warning(sentence)
         for node in nodes:
             executor.add_node(node)
-            for sentence in node_arguments.unused_files(
-                    sys.argv, node.get_fully_qualified_name()):
-                node.get_logger().warning(sentence)
         try:
             for node in nodes:
                 node.start()

@@ -3,15 +3,11 @@
 """The command line of `create_node`: ROS arguments, and help with everything else."""
 
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
-from itertools import pairwise
-from pathlib import Path
-import re
 import textwrap
 
 from rclpy.utilities import remove_ros_args
-import yaml
 
 from .. import __version__
 from .parameters import allowed, Parameters, shown, suggestion
@@ -19,8 +15,6 @@ from .parameters import allowed, Parameters, shown, suggestion
 WIDTH = 96
 NODE = 'create'
 """The node's name, unless it is remapped."""
-SPECIAL = '__ns', '__node', '__name'
-"""What remap rules change besides topics and services."""
 ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
 """Arguments that ROS knows, after --ros-args."""
 
@@ -60,63 +54,6 @@ def names_only(ros: Sequence[str]) -> list[str]:
     return [part for flag, rule in zip(ros, ros[1:])
             if flag in ('-r', '--remap') and not rule.startswith(('__node:', '__name:'))
             for part in (flag, rule)]
-
-
-def unused_files(arguments: Sequence[str], node: str) -> Iterator[str]:
-    """Say which parameter files hold nothing for a node; ROS ignores them without a word."""
-    wild = {'**': r'(/\w+)*', '*': r'/\w+'}  # any number of names, one name
-    for flag, path in pairwise(arguments):
-        if flag != '--params-file':
-            continue
-        parts = list(_parts(yaml.safe_load(Path(path).read_text('utf-8'))))
-        patterns = [''.join(wild.get(name, f'/{re.escape(name)}') for name in part.split('/')[1:])
-                    for part in parts]
-        if not any(re.fullmatch(pattern, node) for pattern in patterns):
-            yield (f'{path} holds no parameter of this node, {node}, but of '
-                   f'{", ".join(parts) or "none"}, so nothing of it is used: it must begin with '
-                   f'"/**:" or "{node}:"')
-
-
-def _parts(content: object, name: str = '') -> Iterator[str]:
-    """Yield the names of the nodes for which a parameter file has values."""
-    if isinstance(content, dict):
-        for key, inside in content.items():
-            if key == 'ros__parameters':
-                yield name
-            else:
-                yield from _parts(inside, f'{name}/{str(key).strip("/")}')
-
-
-def unused_remaps(
-    arguments: Sequence[str], nodes: Collection[tuple[str, str]], names: Collection[str],
-) -> list[str]:
-    """
-    Say which remap rules change no name of any node; ROS ignores them without a word.
-
-    `nodes`: namespace and name of each; `names`: of all their topics and services, as declared.
-    """
-    said = []
-    for flag, rule in pairwise(arguments):
-        if flag not in ('-r', '--remap') or ':=' not in rule:
-            continue
-        source = rule.partition(':=')[0].removeprefix('rostopic://').removeprefix('rosservice://')
-        node, _, name = source.rpartition(':')
-        if node and node not in {NODE, *(own for _, own in nodes)}:
-            said.append(f'remap {rule} has no effect: it is for a node {node}, this one is '
-                        f'{" and ".join(own for _, own in nodes)}')
-        elif name not in SPECIAL and not any(
-                full_name(name, *each) in {full_name(known, *each) for known in names}
-                for each in nodes):
-            said.append(f'remap {rule} has no effect: no topic or service here is called {name}'
-                        f'{suggestion(name, [*names, *SPECIAL])}')
-    return said
-
-
-def full_name(name: str, namespace: str, node: str) -> str:
-    """Return a name as ROS expands it: relative, absolute, or of the node itself (~)."""
-    if name.startswith('~'):
-        name = f'{node}{name[1:]}'
-    return name if name.startswith('/') else f'{namespace.rstrip("/")}/{name}'
 
 
 def parameter_help() -> str:

@@ -21,8 +21,6 @@ import yaml
 
 from create_oi_ros import __version__
 from create_oi_ros.ros import node_arguments, programs
-from create_oi_ros.ros.node import NAMES
-from create_oi_ros.ros.node_arguments import unused_files, unused_remaps
 from create_oi_ros.ros.parameters import contradiction, Parameters, refusal, wrong_type
 from create_oi_ros.ros.programs import check_environment, explained, MODULES, PROGRAMS, UserError
 
@@ -346,54 +344,10 @@ def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(stage):
         'create_node: parameter cmd_vel_timeout = 20; allowed: 0.05 to 10')
 
 
-ROBOT = ('/robot1', 'create')
-
-
-@pytest.mark.parametrize(('rule', 'node', 'words'), [
-    ('cmdvel:=x', ('/', 'create'), 'here is called cmdvel: did you mean cmd_vel?'),
-    ('set_led:=x', ('/', 'create'), 'did you mean set_leds?'),
-    ('/cmd_vel:=/x', ROBOT, 'did you mean cmd_vel?'), ('__nss:=/x', ROBOT, 'did you mean __ns?'),
-    ('zzz:=x', ROBOT, 'no topic or service here is called zzz'),
-    ('rotate_angle:=x', ROBOT, 'did you mean rotate_angle/_action/status?'),
-    ('rotate_angel/_action/status:=x', ROBOT, 'did you mean rotate_angle/_action/status?'),
-    ('driver:cmd_vel:=x', ROBOT, 'it is for a node driver, this one is create'),
-    ('rostopic://odometry:=x', ROBOT, 'no topic or service here is called odometry'),
-    *((rule, ROBOT, None) for rule in (
-        'cmd_vel:=x', '/robot1/cmd_vel:=x', 'create:cmd_vel:=x', '/tf:=tf', '/tf_static:=tf',
-        '__ns:=/robot1', 'create:__node:=x', '~/set_parameters:=x', 'rosservice://stop:=x',
-        '/diagnostics:=diagnostics', 'dock/_action/send_goal:=x'))])
-def test_a_remap_without_effect_is_told_with_the_nearest_name(rule, node, words):
-    said = unused_remaps(['create_node', '--ros-args', '-r', rule], [node], NAMES)
-    assert len(said) == (words is not None)
-    if words is not None:
-        assert said[0].startswith(f'remap {rule} has no effect: ') and words in said[0]
-
-
-@pytest.mark.parametrize(('content', 'used'), [
-    ('', False), ('hello\n', False), ('other:\n  ros__parameters: {baud: 19200}\n', False),
-    ('create:\n  ros__parameters: {baud: 19200}\n', False),
-    ('/robot1/create:\n  ros__parameters: {baud: 19200}\n', True),
-    ('robot1:\n  create:\n    ros__parameters: {baud: 19200}\n', True),
-    ('/*/create:\n  ros__parameters: {baud: 19200}\n', True),
-    ('/*/*/create:\n  ros__parameters: {baud: 19200}\n', False),
-    ('/**/create:\n  ros__parameters: {baud: 19200}\n', True),
-    ('/**:\n  ros__parameters: {baud: 19200}\n', True)])
-def test_a_parameter_file_for_another_node_is_told(tmp_path, content, used):
-    (tmp_path / 'my.yaml').write_text(content)
-    said = list(unused_files(['--ros-args', '--params-file', str(tmp_path / 'my.yaml')],
-                             '/robot1/create'))
-    assert not said if used else 'holds no parameter of this node, /robot1/create, but' in said[0]
-
-
-def test_what_has_no_effect_is_a_warning(stage, tmp_path):
-    (tmp_path / 'other.yaml').write_text('other:\n  ros__parameters: {baud: 19200}\n')
-    warned = stage.program(
-        'create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0', '-r', 'cmdvel:=x',
-        '-r', 'odom:=x', '--params-file', str(tmp_path / 'other.yaml'))
-    for words in ('cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?',
-                  'did you mean cmd_vel?', 'holds no parameter of this node, /create, but'):
-        stage.ros.until(lambda words=words: words in warned.output, words)
-    assert 'remap odom' not in warned.output
+def test_an_unknown_parameter_is_named_with_the_nearest_one(stage):
+    warned = stage.program('create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0')
+    words = 'cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?'
+    stage.ros.until(lambda: words in warned.output, words)
 
 
 # QoS overrides, named as rclcpp and rclpy name them.
