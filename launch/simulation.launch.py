@@ -36,7 +36,7 @@ def generate_launch_description():
         PythonExpression(
             ["'", LaunchConfiguration('ros_namespace'), "'.rstrip('/').replace('/', '.')"])]
     control = [*robot, '-control']
-    prefix, tf = LaunchConfiguration('frame_prefix'), LaunchConfiguration('tf')
+    tf = LaunchConfiguration('tf')
     return LaunchDescription([GroupAction([
         DeclareLaunchArgument(
             'world', default_value='apartment',
@@ -46,9 +46,6 @@ def generate_launch_description():
             description='true: give the robot a lidar, for SLAM and Nav2'),
         DeclareLaunchArgument(
             'namespace', default_value='', description='namespace of all nodes and topics'),
-        DeclareLaunchArgument(
-            'frame_prefix', default_value='',
-            description='put before every frame, such as robot1/; empty: frames as in params'),
         DeclareLaunchArgument(
             'tf', default_value='/tf',
             description='topic of the transforms; tf: below the namespace'),
@@ -66,6 +63,5 @@ def generate_launch_description():
             package='create_oi_ros', executable='create_lidar', output='screen',
             condition=IfCondition(LaunchConfiguration('lidar')),
             remappings=[('/tf', tf), ('/tf_static', [tf, '_static'])],
-            arguments=['--control', control, '--frame', [prefix, 'laser'],
-                       '--base-frame', [prefix, 'base_footprint']]),
+            arguments=['--control', control]),
     ])])
