@@ -257,8 +257,6 @@ class Driver:
             mode = oi.Mode.PASSIVE if self._may_play_demo else self.status.actual
             self.core.outbox.clear(*farewell(mode, self.settings.mode_on_exit))
             self.outputs.fail('driver is shutting down')
-            self.outputs.poll(now)  # the LEDs as they were before an animation
-            self.core.outbox.release(now)
             self.modes.fail('driver is shutting down')
             script = self.scripts.status(now)
             if script is not None:

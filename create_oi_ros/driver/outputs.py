@@ -13,10 +13,7 @@ other. Two song numbers that nobody has defined are used in turn: while a song p
 stored. The robot ignores Play Song while a song plays (manual: Play Song), so the next one is
 asked for in the frame in which packet 37 falls. No command ends a song: a tune that is canceled
 ends with the song that plays.
-
-An animation of the LEDs is LED commands that follow each other by the driver's time. It ends with
-what `set_leds` has set last.
-"""
+"""""
 
 from collections.abc import Generator, Iterator, Sequence
 from itertools import accumulate, chain, count, pairwise
@@ -39,10 +36,6 @@ FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
 FOREVER = -1
 """Iterations of a tune that plays until it is canceled."""
-DARK = oi.Leds(bits=0, color=0, intensity=0)
-"""All LEDs off, as they are when the robot enters Safe."""
-MIN_PERIOD, USUAL_PERIOD = 0.3, 1.0
-"""Seconds of a blink or round: at least (ten LED commands a second, 40 bytes), and as a rule."""
 NOT_REPORTED = 'was sent to play, but the robot does not report it: try again'
 NO_ROOM = f'a tune needs two of the {SONGS} songs, and all are defined: define fewer'
 WAIT = 'wait until the topic `song` says that it has ended'
@@ -73,36 +66,6 @@ class Tune(Pending):
         self.note = sum(map(len, self.songs[:song])) + sounds
 
 
-def blink(chosen: oi.Leds) -> list[oi.Leds]:
-    """Return the chosen LEDs, and none."""
-    return [chosen, DARK]
-
-
-def spin(chosen: oi.Leds) -> list[oi.Leds]:
-    """Return each of the chosen LEDs alone: Play, Advance, Power."""
-    alone = [oi.Leds(bits=bit, color=0, intensity=0) for bit in oi.LedBits if bit & chosen.bits]
-    power = oi.Leds(bits=0, color=chosen.color, intensity=chosen.intensity)
-    return [*alone, power] if power.intensity else alone
-
-
-class Animation(Pending):
-    """An animation of the LEDs that was given to the driver, and how long it has been shown."""
-
-    def __init__(self, steps: Sequence[oi.Leds], period: float, max_seconds: float) -> None:
-        """Show all steps once in a period, again and again, for so many seconds."""
-        super().__init__()
-        self.steps = steps
-        self.period = period
-        self.max_seconds = max_seconds
-        self.seconds = 0.0
-        """How long it has been shown."""
-
-    @property
-    def step(self) -> oi.Leds:
-        """What is to be shown now."""
-        return self.steps[int(self.seconds / self.period * len(self.steps)) % len(self.steps)]
-
-
 class Outputs:
     """Everything that a request can set, except mode, wheels, demos and scripts."""
 
@@ -118,20 +81,12 @@ class Outputs:
         """What is done for that, from poll to poll."""
         self._number = SONGS
         """Number of the song that was sent to play."""
-        self._animation: Pending = done('no animation')
-        """The newest animation."""
-        self._animating: Iterator[None] = iter(())
-        """What is done for that, from poll to poll."""
-        self._shown: oi.Leds | None = None
-        """The step of an animation that was sent last; None where the LEDs may show another."""
 
     # Outputs.
 
     def set_leds(self, leds: oi.Leds) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
-        return self._set(leds, (
-            'these LEDs show after the animation' if self._animation.outcome is None else
-            'LEDs sent'))
+        return self._set(leds, 'LEDs sent')
 
     def set_output(self, name: str, *, high: bool) -> Pending:
         """Set one digital output; the others stay, those that nobody has set are low."""
@@ -151,7 +106,6 @@ class Outputs:
         request = self._core.request(command, done)
         if request.outcome is None:
             self._to_restore[type(command)] = command
-            self._shown = None
         return request
 
     def set_drivers(self, duties: Sequence[float]) -> Pending:
@@ -172,7 +126,6 @@ class Outputs:
         """Set LEDs and outputs again: the mode has changed, or the robot was switched off."""
         for command in self._to_restore.values():
             self._core.outbox.send(command)
-        self._shown = None
 
     def restore_songs(self) -> None:
         """Store the songs again: the robot may have been switched off."""
@@ -247,11 +200,9 @@ class Outputs:
         self._player, self._playing, self._now = player, playing, now
         next(playing, None)
 
-    def cancel(self, request: Tune | Animation, why: str = 'canceled') -> None:
-        """End a tune or an animation, if it goes on; the song that plays is heard to its end."""
-        if isinstance(request, Tune):
-            why = f'{why}; the song that plays goes on to its end'
-        request.end(False, why)
+    def cancel(self, tune: Tune, why: str = 'canceled') -> None:
+        """End a tune, if it goes on; the song that plays is heard to its end."""
+        tune.end(False, f'{why}; the song that plays goes on to its end')
 
     def _play_one(self, request: Pending, number: int, text: str) -> Iterator[None]:
         """Send a song to play, and wait until the robot reports it."""
@@ -311,50 +262,15 @@ class Outputs:
         return bool(readings.number('song_playing', 0)) and (
             readings.number('song_number', self._number) == self._number)
 
-    # Animations.
-
-    def animate(self, animation: Animation, now: float) -> None:
-        """Show an animation; its outcome says how that ended, or why it cannot be shown."""
-        why = self._core.refusal(oi.Leds) if self._animation.outcome is not None else (
-            'the LEDs are animated: cancel that goal, or wait until it has ended')
-        if why is not None:
-            animation.end(False, why)
-            return
-        self._to_restore.setdefault(oi.Leds, DARK)
-        self._animation, self._animating = animation, self._show(animation, now)
-        self._shown = None
-
-    def _show(self, animation: Animation, begun_at: float) -> Iterator[None]:
-        """Send each step when it is due."""
-        while (seconds := self._now - begun_at) < animation.max_seconds:
-            animation.seconds = seconds
-            why = self._core.refusal(oi.Leds)
-            if why is not None:
-                animation.end(False, f'the animation ended before its end; {why}')
-                return
-            if animation.step != self._shown:
-                self._shown = animation.step
-                self._core.outbox.send(animation.step)
-            yield
-        animation.seconds = animation.max_seconds
-        animation.end(True, 'the animation was shown')
-
     def poll(self, now: float) -> None:
-        """Go on with a song, a tune and an animation; after it, show the LEDs that were set."""
+        """Go on with a song or a tune."""
         self._now = now
         if self._player.outcome is None:
             next(self._playing, None)
-        if self._animation.outcome is None:
-            next(self._animating, None)
-        over = self._animation.outcome is not None
-        if over and self._shown and self._core.refusal(oi.Leds) is None:
-            self._core.outbox.send(self._to_restore[oi.Leds])
-            self._shown = None
 
     def fail(self, why: str) -> None:
-        """End tune and animation, and the request for a song that has not been reported."""
+        """End a tune, and the request for a song that has not been reported."""
         self._player.end(False, why)
-        self._animation.end(False, why)
 
 
 def _seconds(notes: Sequence[oi.Note]) -> float:

@@ -3,8 +3,8 @@
 """
 The actions: each declared beside the function that turns its request into what the driver does.
 
-The driver pursues goals, one at a time, and plays tunes and animates LEDs beside them. Here they
-are checked, handed over, reported on and answered. Only a malformed request is rejected, with the
+The driver pursues goals, one at a time, and plays tunes beside them. Here they are checked, handed
+over, reported on and answered. Only a malformed request is rejected, with the
 reason in the log; any other is accepted, and its result says why it could not be done.
 """
 
@@ -18,7 +18,6 @@ from create_oi_msgs.action import (
     Dock,
     DriveArc,
     DriveDistance,
-    LedAnimation,
     NavigateToPosition,
     RotateAngle,
     Undock,
@@ -34,9 +33,7 @@ from std_msgs.msg import Header
 from ..driver import Driver, goals
 from ..driver.goal_control import CANCELED, CLIENT_GONE
 from ..driver.goals import Code, Goal, Malformed, Phase
-from ..driver.goals.goal import check_range
-from ..driver.goals.motions import MINUTE
-from ..driver.outputs import Animation, blink, MIN_PERIOD, spin, Tune, USUAL_PERIOD
+from ..driver.outputs import Tune
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ..oi.tools.tunes import note_text, parse_tune
@@ -101,29 +98,14 @@ def tune(request: Any) -> Tune:
     return Tune(parse_tune(request.notes), request.iterations)
 
 
-def animation(request: Any) -> Animation:
-    """Return the animation of a request; ValueError says what is wrong."""
-    steps = {request.BLINK_LIGHTS: blink, request.SPIN_LIGHTS: spin}.get(request.animation_type)
-    if steps is None:
-        raise ValueError(f'animation_type = {request.animation_type}; allowed: '
-                         f'{request.BLINK_LIGHTS} (blink), {request.SPIN_LIGHTS} (spin)')
-    if not (request.play or request.advance or request.power_intensity):
-        raise ValueError('no LED is chosen: set play, advance or power_intensity')
-    period = messages.seconds(request.period) or USUAL_PERIOD
-    check_range('period', period, 's', MIN_PERIOD)
-    runtime = messages.seconds(request.max_runtime)
-    check_range('max_runtime', runtime, 's', 0.0)
-    return Animation(steps(messages.leds(request)), period, runtime or MINUTE)
-
-
 def cancel_goal(driver: Driver, goal: Goal, now: float, *, gone: bool) -> None:
     """End a goal, if it has not ended; `gone`: because its client has gone."""
     driver.goals.cancel(goal, now, CLIENT_GONE if gone else CANCELED)
 
 
-def cancel_show(driver: Driver, shown: Tune | Animation, _now: float, *, gone: bool) -> None:
-    """End a tune or an animation, if it has not ended."""
-    driver.outputs.cancel(shown, 'its client has gone' if gone else 'canceled')
+def cancel_tune(driver: Driver, tune: Tune, _now: float, *, gone: bool) -> None:
+    """End a tune, if it has not ended."""
+    driver.outputs.cancel(tune, 'its client has gone' if gone else 'canceled')
 
 
 def goal_result(goal: Goal) -> Values:
@@ -137,9 +119,10 @@ def goal_result(goal: Goal) -> Values:
             'message': ending.text, 'pose': PoseStamped(pose=pose)}
 
 
-def show_result(shown: Tune | Animation) -> Values:
-    assert shown.outcome is not None
-    return {**answer(shown.outcome), 'runtime': duration(shown.seconds)}
+def tune_result(tune: Tune) -> Values:
+    assert tune.outcome is not None
+    return {**answer(tune.outcome), 'runtime': duration(tune.seconds),
+            'iterations_played': tune.iterations_played}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,15 +194,8 @@ ALL_ACTIONS = (
         name='audio_note_sequence', type=AudioNoteSequence,
         about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)',
         make=tune, start=lambda driver, tune, now: driver.outputs.play_tune(tune, now),
-        cancel=cancel_show, feedback=note_played,
-        news=lambda tune: (tune.iterations_played, tune.note),
-        result=lambda tune: {**show_result(tune), 'iterations_played': tune.iterations_played}),
-    Action(
-        name='led_animation', type=LedAnimation, about='blink LEDs, or light them in turn',
-        make=animation,
-        start=lambda driver, animation, now: driver.outputs.animate(animation, now),
-        cancel=cancel_show, result=show_result, feedback=lambda animation: {
-            'remaining_runtime': duration(animation.max_seconds - animation.seconds)}),
+        cancel=cancel_tune, feedback=note_played,
+        news=lambda tune: (tune.iterations_played, tune.note), result=tune_result),
 )
 
 

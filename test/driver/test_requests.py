@@ -96,6 +96,21 @@ def test_a_song_too_short_to_be_seen_is_said_to_be_sent(loop):
     assert answer.text.endswith('song 2 sent to play; it is too short to be seen playing')
 
 
+def test_an_output_is_set_by_its_name_and_the_others_stay():
+    loop = Loop(Settings(output_names=('lamp', 'door', 'output_2')))
+    loop.run(1.0)
+    outputs, bits = loop.driver.outputs, oi.OutputBits
+    assert ask(loop, outputs.set_outputs, bits.OUTPUT_2).ok
+    assert ask(loop, outputs.set_output, 'door', high=True).text == 'digital outputs sent'
+    assert loop.robot.outputs == bits.OUTPUT_1 | bits.OUTPUT_2
+    assert ask(loop, outputs.set_output, 'output_2', high=False).ok
+    assert loop.robot.outputs == bits.OUTPUT_1
+    assert ask(loop, outputs.set_output, 'lamb', high=True).text == (
+        "no output is called 'lamb'; output_names: lamp, door, output_2")
+    in_mode(loop, oi.Mode.PASSIVE)
+    assert 'call set_mode with SAFE first' in ask(loop, outputs.set_output, 'lamp', high=True).text
+
+
 @pytest.mark.parametrize('request_of', [
     lambda driver: driver.outputs.set_leds(LEDS),
     lambda driver: driver.outputs.set_outputs(HIGH),
