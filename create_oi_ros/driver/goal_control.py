@@ -208,17 +208,16 @@ class GoalControl:
 
     def _end(self, goal: Goal, over: Over) -> None:
         """Tell who waits how a goal ended, and how far it got."""
-        text, how, seconds = over.text, 'not started', 0.0
+        text, how = over.text, 'not started'
         if goal.hint and goal is self._goal:
             text = f'{text} ({goal.hint})'
         if goal.begun_at is not None:
-            seconds = goal.view.now - goal.begun_at
             verb = 'ended' if over.code in MAY_MOVE else 'stopped'
-            how = f'{verb} {goal.way(seconds)}'
+            how = f'{verb} {goal.way(goal.view.now - goal.begun_at)}'
         if over.code is not Code.NONE:
             text = f'{how}; {text}'
         readings = self._core.readings
         known = readings.has('oi_mode')
         goal.settle(Ending(
-            over.code, text, self._odometry.estimate if known else Estimate(), seconds,
+            over.code, text, self._odometry.estimate if known else Estimate(),
             known and docked(readings)))

@@ -21,7 +21,6 @@ from create_oi_msgs.action import (
     NavigateToPosition,
     RotateAngle,
     Undock,
-    WallFollow,
 )
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
@@ -180,12 +179,6 @@ ACTIONS = (
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
         make=lambda goal: goals.Undock(allowance(goal)),
         feedback=distance_left),
-    Action(
-        name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
-        make=lambda goal: goals.WallFollow(
-            goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
-        feedback=lambda goal: {'engaged': goal.progress.phase is Phase.ENGAGED},
-        result=lambda goal: {**goal_result(goal), 'runtime': duration(goal.outcome.seconds)}),
 )
 """The actions that drive the robot."""
 ALL_ACTIONS = (

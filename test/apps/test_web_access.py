@@ -159,7 +159,6 @@ GOOD_GOALS = {
     'drive_arc': {'angle': 1.5, 'radius': 0.4, 'translate_direction': -1},
     'navigate_to_position': {'goal_pose': {'pose': {'position': {'x': 1, 'y': -2.5}}}},
     'dock': {}, 'undock': {},
-    'wall_follow': {'follow_side': -1, 'max_runtime': {'sec': 30}},
     'audio_note_sequence': {'notes': 'C4:1/4 60:0.5'},
 }
 GOOD_CALLS = {

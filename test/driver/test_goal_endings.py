@@ -15,7 +15,7 @@ from create_oi_ros.driver import (
     Severity,
 )
 from create_oi_ros.driver.goal_control import CLIENT_GONE, COMMANDED, MODE_WAIT
-from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
+from create_oi_ros.driver.goals import Code, Dock, Ending, Undock
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import (
@@ -42,8 +42,7 @@ from support.loop import Loop, said, STEP
     (lambda: angle(900), r'after [2-9]\d degrees'),
     (lambda: angle(-900), r'after [2-9]\d degrees'),
     (lambda: arc(-200, 0.5), r'after [1-3]\d degrees'),
-    (lambda: place(3.0, 0.0), r'2\.[6-9]\d m from the goal'),
-    (lambda: WallFollow(-1, 60.0, 0.0), r'after 1\.\d s')])
+    (lambda: place(3.0, 0.0), r'2\.[6-9]\d m from the goal')])
 def test_an_ending_says_how_far_the_robot_has_got(make, says):
     loop = met()
     running = moving(loop, make())
@@ -86,8 +85,7 @@ def test_a_robot_in_passive_says_what_to_do():
 GOALS = {
     'drive_distance': lambda: distance(0.03), 'rotate_angle': lambda: angle(10),
     'drive_arc': lambda: arc(10, 0.2), 'navigate_to_position': lambda: place(0.03, 0.0),
-    'wall_follow': lambda: WallFollow(-1, 0.5, 0.0), 'dock': lambda: Dock(1.0),
-    'undock': lambda: Undock(0.0)}
+    'dock': lambda: Dock(1.0), 'undock': lambda: Undock(0.0)}
 
 
 @pytest.mark.parametrize('make', GOALS.values(), ids=GOALS)
@@ -196,7 +194,6 @@ def test_a_goal_ends_when_its_time_is_over_and_not_before():
     loop.run(2 * FRAME)
     assert running.outcome.code is Code.TIMEOUT
     assert 'time_allowance of 0.5 s is over' in running.outcome.text
-    assert running.outcome.seconds == pytest.approx(0.5, abs=2.5 * FRAME)
     assert loop.robot.actuators.wheels == (0, 0)
 
 
@@ -301,8 +298,7 @@ def test_a_goal_of_a_kilometre_has_a_time_and_can_be_canceled():
     assert ended(loop, running).code is Code.CANCELED
 
 
-@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: angle(300),
-                                  lambda: WallFollow(-1, 60.0, 0.0)])
+@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: angle(300)])
 def test_a_cancel_asks_for_zero_at_once(make):
     loop = met()
     running = moving(loop, make())

@@ -7,7 +7,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits
-from create_oi_ros.driver.goals import Code, WallFollow
+from create_oi_ros.driver.goals import Code
 from create_oi_ros.driver.goals.goal import Stall, StoppingModel, View
 from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
@@ -83,7 +83,7 @@ def test_safe_mode_itself_may_end_a_way_back_at_a_cliff():
     assert 'call set_mode with SAFE, then drive backwards' in ending.text
 
 
-@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: WallFollow(-1, 60.0, 0.0)])
+@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: angle(300)])
 def test_a_wheel_that_drops_ends_a_motion(make):
     loop = met()
     running = moving(loop, make())
@@ -129,7 +129,7 @@ def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it(speed):
 
 @pytest.mark.parametrize('most', [0.0, 0.0004])
 def test_a_robot_that_may_not_turn_its_wheels_says_so(most):
-    for goal in (distance(0.1), angle(10), WallFollow(-1, 5.0, 0.0)):
+    for goal in (distance(0.1), angle(10)):
         ending = pursue(met(MotionLimits(max_wheel_speed=most)), goal)
         assert ending.code is Code.STALL
         assert 'max_wheel_speed is 0' in ending.text

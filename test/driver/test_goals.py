@@ -14,9 +14,7 @@ from create_oi_ros.driver.goals import (
     Code,
     DriveArc,
     Malformed,
-    Phase,
     RotateAngle,
-    WallFollow,
 )
 from create_oi_ros.driver.goals.goal import Instruction, StoppingModel, View
 from create_oi_ros.driver.goals.legs import Straight
@@ -24,8 +22,7 @@ from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
-from create_oi_ros.sim.world import parse, shipped
-from support.goals import angle, arc, distance, place, pursue, reach, start, until_ended
+from support.goals import angle, arc, distance, place, pursue, reach, start
 from support.loop import Loop, texts, turn_difference
 
 
@@ -176,39 +173,11 @@ def test_a_goal_that_is_reached_already_ends_at_once():
     (lambda: place(nan, 0), 'goal_pose.position.x = nan m is not finite'),
     (lambda: place(0, 1e7), 'goal_pose.position.y = 1e+07 m; allowed'),
     (lambda: place(0, 0, nan), 'heading of goal_pose = nan rad is not finite'),
-    (lambda: WallFollow(1, 10.0, 0.0), 'follow_side = 1; allowed: -1, the right'),
-    (lambda: WallFollow(-1, -1.0, 0.0), 'max_runtime = -1 s; allowed: 0 or more'),
 ])
 def test_a_malformed_goal_is_refused_in_words(make, says):
     with pytest.raises(Malformed) as refused:
         make()
     assert says in str(refused.value)
-
-
-# Following a wall.
-
-
-def test_a_wall_on_the_right_is_followed():
-    world = parse('start 0 -0.31 0\nwall -1 -0.5 6 -0.5', 'test')
-    loop = met(world=world)
-    running, engaged = start(loop, WallFollow(-1, 12.0, 0.0)), []
-    while running.outcome is None:
-        loop.turn()
-        engaged.append(running.progress.phase is Phase.ENGAGED)
-    assert running.outcome.code is Code.NONE
-    assert running.outcome.seconds == pytest.approx(12.0, abs=0.1)
-    truth = loop.body.truth()
-    assert truth.pose.x > 1.0
-    assert truth.pose.y == pytest.approx(-0.5 + 0.165 + 0.06, abs=0.06)
-    assert sum(engaged) > 0.8 * len(engaged)
-
-
-def test_a_wall_ahead_is_found_by_touching_it_and_followed_round_the_room():
-    loop = met(world=shipped('room'))
-    running = start(loop, WallFollow(-1, 60.0, 0.0))
-    ending = until_ended(loop, running)
-    assert ending.code is Code.NONE
-    assert loop.body.truth().travelled > 4.0
 
 
 # The speed along one way, frame by frame: faster, slower, stop, settle, correct.

@@ -20,7 +20,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, DEAD_MAN_STOP, MotionLimits, Moved, Pending, Settings
 from create_oi_ros.driver.goal_control import CANCELED, CLIENT_GONE, MODE_WAIT
-from create_oi_ros.driver.goals import Dock, Ending, Goal, Undock, WallFollow
+from create_oi_ros.driver.goals import Dock, Ending, Goal, Undock
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.robot import SLOT, TOP_SPEED, WHEEL_SEPARATION
@@ -234,7 +234,7 @@ GOALS = {
     'long way': lambda: distance(9.0, 0.5), 'no way': lambda: distance(0.0),
     'little time': lambda: distance(1.0, allowance=0.5), 'turn': lambda: angle(90),
     'arc': lambda: arc(120, 0.3), 'place': lambda: place(-0.3, 0.2, 90),
-    'wall': lambda: WallFollow(-1, 2.0, 0.0), 'dock': lambda: Dock(20.0),
+    'dock': lambda: Dock(20.0),
     'undock': lambda: Undock(0.0)}
 TIMES = st.sampled_from((0.005, 0.02, 0.1, 0.3, 0.7, 1.5))
 SHARES = st.sampled_from((0.05, 0.3, 1.0))

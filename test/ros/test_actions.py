@@ -17,7 +17,6 @@ from create_oi_msgs.action import (
     NavigateToPosition,
     RotateAngle,
     Undock,
-    WallFollow,
 )
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
@@ -204,8 +203,6 @@ def test_the_robot_drives_to_a_place_that_is_published(start):
     (NavigateToPosition, 'navigate_to_position',
      {'goal_pose': PoseStamped(header=Header(frame_id='map'))},
      "goal_pose is in frame 'map'; allowed: 'odom'"),
-    (WallFollow, 'wall_follow', {'follow_side': WallFollow.Goal.FOLLOW_LEFT},
-     'follow_side = 1; allowed: -1'),
     (*TUNE, {'notes': 'C4:9'}, "'C4:9' lasts 9 s; allowed: 1/64 to 255/64 s"),
     (*TUNE, {'notes': ''}, 'a tune needs a note, such as C4:1/4'),
     (*TUNE, {'notes': 'C4:1', 'iterations': 0}, 'iterations = 0; allowed: above 0, or -1'),
@@ -261,15 +258,6 @@ def test_a_robot_docks_and_leaves_its_dock(start):
     assert 'by FULL' in result.message
     driving.ready.until_mode(Mode.SAFE)
     assert driving.result(Undock, 'undock').error_code == Undock.Result.NO_DOCK
-
-
-def test_a_wall_is_followed_for_a_while(driving):
-    sent = driving.send(WallFollow, 'wall_follow', follow_side=WallFollow.Goal.FOLLOW_RIGHT,
-                      max_runtime=Duration(sec=2))
-    result = sent.result()
-    assert result.success
-    assert result.runtime.sec in (1, 2)
-    assert not any(each.engaged for each in sent.feedback)
 
 
 CLIENT = """

@@ -4,4 +4,4 @@
 
 from .docking import Dock, Undock
 from .goal import Code, Ending, Goal, Malformed, Phase, Progress
-from .motions import DriveArc, DriveDistance, NavigateToPosition, RotateAngle, WallFollow
+from .motions import DriveArc, DriveDistance, NavigateToPosition, RotateAngle

@@ -60,8 +60,6 @@ class Phase(Enum):
     SEES_DOCK = auto()
     DOCKED = auto()
     CHARGING = auto()
-    SEARCHING = auto()
-    ENGAGED = auto()
 
 
 class Progress(NamedTuple):
@@ -84,8 +82,6 @@ class Ending(NamedTuple):
     """For people: what was done; or why not, and what to do."""
     estimate: Estimate = Estimate()
     """Where the robot was then."""
-    seconds: float = 0.0
-    """How long the goal ran."""
     docked: bool = False
     """Whether the robot was on the contacts of a Home Base then."""
 
@@ -329,14 +325,9 @@ class DrivingGoal(Goal):
     backwards, or for the bumper in place. Once it has gone and come back, it does.
     """
 
-    def __init__(self, allowance: float, direction: int = 0, *, bumper: bool = True) -> None:
-        """
-        Take the way that the motion leads first: 1 forward, -1 backward, 0 a turn.
-
-        Without `bumper` a bump is no hazard.
-        """
+    def __init__(self, allowance: float, direction: int = 0) -> None:
+        """Take the way that the motion leads first: 1 forward, -1 backward, 0 a turn."""
         super().__init__(allowance)
-        self._bumper = bumper
         self.forward = direction > 0
         """Whether the motion leads forward now."""
         self.known_cliff, self.known_bump = direction < 0, True
@@ -349,7 +340,7 @@ class DrivingGoal(Goal):
             return NO_SPEED
         if dropped(readings):
             return LIFTED
-        cliff, bump = bool(cliffs(readings)), self._bumper and bool(bumps(readings))
+        cliff, bump = bool(cliffs(readings)), bool(bumps(readings))
         self.known_cliff, self.known_bump = self.known_cliff and cliff, self.known_bump and bump
         if cliff and (self.forward or not self.known_cliff):
             return Over(
