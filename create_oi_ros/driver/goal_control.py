@@ -43,7 +43,6 @@ TAKEN_OVER = {
     StateEvent.DEMO_STARTED: (Code.SUPERSEDED, 'a demo took over'),
     StateEvent.DEMO_ENDED: (Code.SUPERSEDED, 'the service stop_demo was called'),
     StateEvent.SCRIPT_STARTED: (Code.SUPERSEDED, 'a script took over'),
-    StateEvent.SHOW_STARTED: (Code.SUPERSEDED, 'the stored script is being read'),
     StateEvent.MODE_SET: (Code.SUPERSEDED, 'another mode was set'),
     StateEvent.PASSIVE_SET: (
         Code.MODE, 'PASSIVE was set: call set_mode with SAFE, then send the goal again'),

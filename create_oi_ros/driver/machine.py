@@ -106,9 +106,6 @@ class Driver:
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
         self._connection.check_standstill(now)
-        if self.state.activity is Activity.READING:
-            self.scripts.receive(data)
-            return
         if not self._connection.feed(data, now):
             return
         reader = self._connection.reader
@@ -132,10 +129,7 @@ class Driver:
         self._connection.check_standstill(now)
         while self._unchecked:
             self._check_frame(self._unchecked.popleft(), now)
-        if not self.state.takes_commands:
-            if self.state.activity in (Activity.SILENCING, Activity.READING):
-                self._connection.frame_at = now
-            self.scripts.poll(now)
+        self.scripts.poll(now)
         self._connection.check_silence(now)
         self.modes.poll(now)
         self.outputs.poll(now)

@@ -30,8 +30,6 @@ STOPPED = WheelSpeeds(0.0, 0.0)
 BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
 ENDED_BY_PAUSE = (Activity.HOLDING, Activity.DRIVING)
 """Activities that end when no command comes for the timeout."""
-SHORT = (Activity.SILENCING, Activity.READING)
-"""Activities that end within a second."""
 SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run at the speeds that were sent last."""
 AWAY = 'the robot was away, or in another mode, while commands went on'
@@ -138,8 +136,7 @@ class Motion:
             self.stop()
             if state.activity is Activity.DRIVING:
                 self._core.handle(StateEvent.HALTED)
-            # The first of some in a row, unless they end by themselves at once.
-            if not self._refusal_reported and state.activity not in SHORT:
+            if not self._refusal_reported:  # the first of some in a row
                 self._refusal_reported = True
                 self._core.notice(Severity.WARNING, f'not driving: {why}')
         else:

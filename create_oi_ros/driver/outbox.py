@@ -48,8 +48,6 @@ class Outcome(NamedTuple):
     ok: bool
     text: str
     """For people: what was done; or why it was not done, and what to do."""
-    payload: bytes = b''
-    """The bytes that were asked for: a script."""
 
 
 Result = TypeVar('Result')
@@ -86,8 +84,8 @@ class Pending(Awaited[Outcome]):
 
     __slots__ = ()
 
-    def end(self, ok: bool, text: str, payload: bytes = b'') -> None:
-        self.settle(Outcome(ok, text, payload))
+    def end(self, ok: bool, text: str) -> None:
+        self.settle(Outcome(ok, text))
 
 
 def done(text: str) -> Pending:

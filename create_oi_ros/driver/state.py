@@ -13,7 +13,6 @@ table.
     CALLING --RETURNED--> HOLDING --HALTED--> IDLE; IDLE, DRIVING, ... --MODE_LEFT--> HOLDING
     IDLE --DEMO_STARTED--> DEMO --DEMO_ENDED--> IDLE
     IDLE --SCRIPT_STARTED--> SCRIPT --SCRIPT_ENDED--> IDLE
-    IDLE --SHOW_STARTED--> SILENCING --LINE_SILENT--> READING --SHOW_ENDED--> IDLE
     IDLE --GOAL_STARTED--> GOAL --DOCKING_STARTED--> DOCKING; both --GOAL_ENDED--> IDLE
     every activity --NO_ANSWER--> CALLING, --PORT_CLOSED--> CLOSED
 """
@@ -33,8 +32,6 @@ class Activity(Enum):
     GOAL = 'a goal runs'
     DOCKING = 'a goal looks for the dock'
     SCRIPT = 'a script plays'
-    SILENCING = 'waiting for the stream to pause'
-    READING = 'reading the stored script'
 
 
 class StateEvent(Enum):
@@ -75,9 +72,6 @@ class StateEvent(Enum):
     GOAL_ENDED = auto()
     SCRIPT_STARTED = auto()
     SCRIPT_ENDED = auto()
-    SHOW_STARTED = auto()
-    LINE_SILENT = auto()
-    SHOW_ENDED = auto()
 
 
 _A, _E = Activity, StateEvent
@@ -86,10 +80,10 @@ TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
     _A.CALLING: {_E.ANSWERED: _A.IDLE, _E.RETURNED: _A.HOLDING},
     _A.IDLE: {
         _E.VELOCITY: _A.DRIVING, _E.GOAL_STARTED: _A.GOAL, _E.MODE_LEFT: _A.HOLDING,
-        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT},
     _A.HOLDING: {
         _E.HALTED: _A.IDLE, _E.MODE_SET: _A.IDLE,
-        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT},
     _A.DRIVING: {
         _E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.PASSIVE_SET: _A.IDLE,
         _E.MODE_LEFT: _A.HOLDING, _E.GOAL_STARTED: _A.GOAL, _E.DEMO_STARTED: _A.DEMO},
@@ -101,15 +95,13 @@ TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
         _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE,
         _E.MODE_SET: _A.IDLE, _E.PASSIVE_SET: _A.IDLE, _E.DEMO_ENDED: _A.IDLE,
         _E.DEMO_STARTED: _A.DEMO,
-        _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.SCRIPT_STARTED: _A.SCRIPT},
     _A.DEMO: {
         _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.MODE_LEFT: _A.HOLDING,
         _E.MODE_SET: _A.IDLE, _E.PASSIVE_SET: _A.IDLE, _E.DEMO_ENDED: _A.IDLE,
         _E.GOAL_STARTED: _A.GOAL,
-        _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.SCRIPT_STARTED: _A.SCRIPT},
     _A.SCRIPT: {_E.SCRIPT_ENDED: _A.IDLE},
-    _A.SILENCING: {_E.LINE_SILENT: _A.READING, _E.SHOW_ENDED: _A.IDLE},
-    _A.READING: {_E.SHOW_ENDED: _A.IDLE},
 }
 for _activity, _row in TRANSITIONS.items():
     _row[_E.PORT_CLOSED] = _A.CLOSED
@@ -126,8 +118,6 @@ STAYS = {
     _A.DOCKING: {_E.MODE_LEFT, _E.MODE_ENTERED},
     _A.DEMO: {_E.MODE_ENTERED, _E.DEMO_STARTED},
     _A.SCRIPT: {_E.STOPPED, _E.MODE_LEFT},
-    _A.SILENCING: {_E.STOPPED, _E.MODE_LEFT},
-    _A.READING: {_E.STOPPED, _E.MODE_LEFT},
 }
 """Events that change nothing in an activity."""
 
@@ -136,8 +126,6 @@ REFUSALS = {
     _A.CALLING: f'{_A.CALLING.value}: check cable and power, the driver keeps trying',
     _A.SCRIPT: ('a script plays, and the robot obeys nothing while it waits, a stop included '
                 '(perhaps later): let it end, or switch the robot off by its Power button'),
-    _A.SILENCING: 'the stored script is being read: try again',
-    _A.READING: 'the stored script is being read: try again',
 }
 """Why the robot takes no commands now, and what to do; activities not listed take them."""
 DRIVE_REFUSALS = {

@@ -8,7 +8,6 @@ driver knows the outcome.
 """
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
@@ -24,8 +23,7 @@ from .. import oi
 from ..driver import Driver, Outcome, Pending
 from ..driver.outbox import Awaited, refused
 from ..link.session import Session
-from ..oi.script import commands_of
-from ..oi.tools.text import format_command, parse_script
+from ..oi.tools.text import parse_script
 from . import messages
 from .messages import Values, yaw_of
 from .odometry_model import ModelKeeper
@@ -65,15 +63,6 @@ def answer(outcome: Outcome) -> Values:
     return {'success': outcome.ok, 'message': outcome.text}
 
 
-def script_answer(outcome: Outcome) -> Values:
-    """Return the script that the robot has sent, as fields of a response."""
-    values = {**answer(outcome), 'code': outcome.payload}
-    script = oi.Script(script=outcome.payload)
-    with suppress(ValueError):  # where its bytes are no commands, there is no text
-        values['text'] = ''.join(f'{format_command(each)}\n' for each in commands_of(script))
-    return values
-
-
 @dataclass(frozen=True, kw_only=True)
 class Service:
     """One service."""
@@ -83,8 +72,6 @@ class Service:
     about: str
     request: Callable[[Driver, Any, float], Pending] | None
     """Hands a request to the driver, with the time, s; None: it is not for the driver."""
-    answer: Callable[[Outcome], Values] = answer
-    """Returns the fields of the response."""
 
 
 SERVICES = (
@@ -154,10 +141,6 @@ SERVICES = (
         name='play_script', type=srv.PlayScript,
         request=lambda driver, request, now: driver.scripts.play(now, force=request.force),
         about='play the stored script; one that cannot end only by `force`'),
-    Service(
-        name='show_script', type=srv.ShowScript, answer=script_answer,
-        request=lambda driver, _, now: driver.scripts.show(now),
-        about='read the stored script back'),
 )
 """All services."""
 
@@ -181,7 +164,7 @@ async def serve(node: Node, session: Session, model: ModelKeeper, service: Servi
         with session.request() as (driver, now):
             ended = future_of(service.request(driver, request, now), node)
         outcome = await ended
-    return type(response)(**service.answer(outcome))
+    return type(response)(**answer(outcome))
 
 
 def future_of(awaited: Awaited[Result], node: Node) -> Future:

@@ -305,7 +305,7 @@ def test_the_odometry_goes_on_from_a_place():
     loop.drive(0.2, 0.7, 1.0)
     begun = loop.body.truth().pose
     answer = ask(loop, loop.driver.reset_pose, *PLACE, seconds=0.02)
-    assert answer == (True, 'odom goes on from x 2 m, y -3 m, yaw 2.5 rad', b'')
+    assert answer == (True, 'odom goes on from x 2 m, y -3 m, yaw 2.5 rad')
     moved_from(loop, begun, PLACE)
     assert pursue(loop, distance(0.5)).code is Code.NONE
     moved_from(loop, begun, PLACE)

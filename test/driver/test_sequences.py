@@ -353,10 +353,6 @@ class Sequences(RuleBasedStateMachine):
         self.loop.request(self.driver.scripts.play(self.loop.now, force=force))
 
     @rule()
-    def show_script(self):
-        self.loop.request(self.driver.scripts.show(self.loop.now))
-
-    @rule()
     def reset_odometry(self):
         self.loop.reset_odometry()
 

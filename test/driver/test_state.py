@@ -123,7 +123,7 @@ def test_a_script_that_was_stopped_before_it_was_sent_is_not_played():
     loop.run(0.1)
     playing = loop.driver.scripts.play(loop.now, force=False)
     assert loop.driver.stop(loop.now).outcome.ok
-    assert playing.outcome == (False, CALLED_OFF, b'')
+    assert playing.outcome == (False, CALLED_OFF)
     loop.run(1.0)
     assert loop.driver.state.activity is Activity.IDLE and loop.moved
     loop.drive(0.1, 0.0, 1.0)

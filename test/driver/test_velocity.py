@@ -167,16 +167,8 @@ def test_a_robot_that_is_found_or_enters_a_mode_under_commands_drives_without_a_
     drive_all_the_time(loop, 1.0)
     loop.driver.modes.set(oi.Mode.FULL, loop.now)
     drive_all_the_time(loop, 0.5)
-    assert loop.driver.scripts.show(loop.now).outcome is not None  # refused: the robot drives
+    assert loop.driver.scripts.play(loop.now, force=True).outcome is not None  # refused: it drives
     assert loop.body.truth().speed == pytest.approx(0.1, abs=0.01)
-    assert texts(loop.notices, Severity.WARNING) == []
-
-
-def test_commands_while_the_stored_script_is_read_are_no_warning(loop):
-    shown = loop.driver.scripts.show(loop.now)
-    drive_all_the_time(loop, 1.0)
-    assert shown.outcome is not None
-    assert loop.body.truth().speed > 0
     assert texts(loop.notices, Severity.WARNING) == []
 
 
