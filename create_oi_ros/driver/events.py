@@ -220,8 +220,6 @@ class Health:
     """Whether the robot ignores commands, stop included."""
     suspects_commands: bool
     """Whether it may ignore commands: it shows no sign that it takes them."""
-    angle_stuck: bool
-    """Whether the angle does not change though the robot is told to turn."""
     robot: Knowledge | None
     """What the odometry has learned of this robot; None before it has learned anything."""
     gyro: GyroState | None

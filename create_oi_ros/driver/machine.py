@@ -36,7 +36,7 @@ from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
 from .script import ScriptControl
 from .state import Activity, StateEvent
-from .tracking import ANGLE_STUCK, Tracking, TurnCheck
+from .tracking import Tracking
 
 ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
 """Events after which nothing is known of the robot."""
@@ -68,7 +68,6 @@ class Driver:
         self.goals = GoalControl(core, self.motion, self.modes, self._tracking)
         self._battery = BatteryGuard(core, self.modes)
         self._charging = ChargeWatch(core)
-        self._turn_check = TurnCheck(core.limits.wheel_separation)
         self._on_dock = False
         """Whether the robot was on its dock, and no goal drove it, when that was checked last."""
         self._unchecked: deque[Moved] = deque()
@@ -181,7 +180,7 @@ class Driver:
             frame_age=now - connection.frame_at if self.counts.frames else None,
             spare_bytes=self.plan.budget.spare, checksum=connection.reader.checksum,
             ignores_commands=self.core.watch.ignores,
-            suspects_commands=self.core.watch.suspects, angle_stuck=self._turn_check.stuck,
+            suspects_commands=self.core.watch.suspects,
             robot=self._tracking.robot, gyro=self._tracking.gyro,
             battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
 
@@ -305,15 +304,13 @@ class Driver:
             self.core.handle(StateEvent.MODE_LEFT)
 
     def _check_frame(self, moved: Moved, now: float) -> None:
-        """React to what a frame says about mode, commands, line, angle and battery."""
+        """React to what a frame says about mode, commands, line and battery."""
         readings = moved.readings
         if self.state.pursues:
             self.goals.see(moved, now)
         self.modes.observe(readings, now)
         self.motion.observe(readings, now)
         self.modes.retry(now)
-        if self._turn_check.observe(moved.brought, moved.dt, drives=self.status.can_drive):
-            self.core.notice(Severity.WARNING, ANGLE_STUCK)
         if now >= self._check_at:
             self._check_at = now + SLOW_CHECK_INTERVAL
             self._check_slow(readings, now)

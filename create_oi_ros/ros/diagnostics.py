@@ -174,8 +174,6 @@ def driver(
         level, message = WARN, 'the robot shows no sign that it obeys: does it wait (a script)?'
     elif health.answered and health.busy is not None:
         level, message = WARN, health.busy
-    elif health.angle_stuck:
-        level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'
     elif contested:
         level, message = WARN, f'{len(publishers)} nodes publish cmd_vel: the newest command wins'
     return status('driver', level, message, {
