@@ -97,29 +97,15 @@ MIN_COAST, MAX_COAST = 0.03, 0.8
 COAST_DRIFT, COAST_NOISE = 0.02, 0.002
 """Seconds by which the coast differs from stop to stop, and metres by which one is measured
 wrongly."""
-PUSH_SPREAD, PUSH_DRIFT, PUSH_NOISE = 0.5, 0.1, 0.001
-"""Standard deviations of the way of a push over its speed times its length, from robot to robot
-and from push to push; and metres by which one is measured wrongly."""
-MIN_PUSH, MAX_PUSH = 0.3, 3.0
 
 
 class StoppingModel:
-    """What one way teaches the next, of one robot."""
+    """How far one robot travels on after a stop; each stop teaches the next."""
 
     def __init__(self) -> None:
         self.coast = COAST
         """Seconds of its speed that the robot travels on after a stop."""
         self._variance = COAST_SPREAD ** 2
-        self.push = 1.0
-        """The way of a push over its speed times its length."""
-        self._push_variance = PUSH_SPREAD ** 2
-
-    def pushed(self, asked: float, way: float) -> None:
-        """Learn from a push that was to lead a way `asked`, m, and led another."""
-        gain = self._push_variance / (self._push_variance + (PUSH_NOISE / asked) ** 2)
-        ratio = max(MIN_PUSH, min(MAX_PUSH, way / asked * self.push))
-        self.push += gain * (ratio - self.push)
-        self._push_variance = self._push_variance * (1 - gain) + PUSH_DRIFT ** 2
 
     def stopped(self, pace: float, way: float) -> None:
         """Learn from a stop at a pace, m/s, after which the robot still travelled a way, m."""
