@@ -6,16 +6,14 @@ Finds the robot on an open port, and notices when the line stops carrying what i
 The driver calls until frames come, and calls again when they stop, when the process itself stood
 still, or when the port was opened again. The robot may be off, in the middle of a command that
 another program left unfinished, driving, or at another baud rate (that of Baud holds until power
-is cycled). At a rate that is too slow for the stream, the search tells it to change to the usual
-one.
+is cycled).
 """
 
-from collections.abc import Iterator
-from itertools import chain, cycle
+from itertools import cycle
 from math import inf
 
 from .. import oi
-from ..oi.codes import START_BAUDS
+from ..oi.codes import FAST_BAUD, START_BAUDS
 from ..robot import MILLI, SLOT
 from .core import Core
 from .events import LinkCounts, Severity
@@ -26,20 +24,14 @@ from .stream import Escalation, IGNORES, POLL_INTERVAL, Probe, StreamPlan
 CALL_INTERVAL = 0.3
 """Seconds between two calls; more at rates where a call and its answer take longer."""
 ANSWER_TIME = 0.1
-"""Seconds from the end of a call to its answer, or until Baud is done (manual: Baud)."""
-SLOWEST_BAUD = START_BAUDS[1]
-"""Bits per second below which the stream does not fit."""
+"""Seconds from the end of a call to its answer."""
+RATES = (*START_BAUDS, FAST_BAUD)
+"""Bits per second at which a robot is looked for whose rate is not known."""
+TRIED = ', '.join(map(str, RATES))
 GARBAGE_LIMIT = 64
 """Bytes without a frame after which something else must be on the line."""
 CALLS_BEFORE_NOTICE = 3
 """Calls without an answer before the user is told; a robot that boots misses one or two."""
-
-
-def _rates(first: int) -> Iterator[int]:
-    """Yield all rates for ever; the likely ones come again before each of the others."""
-    usual = (first, *(rate for rate in START_BAUDS if rate != first))
-    rest = sorted((code.rate for code in oi.BaudCode if code.rate not in usual), reverse=True)
-    return cycle(chain.from_iterable((*usual, other) for other in rest))
 
 
 class BaudSearch:
@@ -49,28 +41,21 @@ class BaudSearch:
         """Call at one rate; 0 searches for the robot's."""
         self.searching = baud == 0
         """Whether the robot's rate is not known."""
-        self.baud = baud or START_BAUDS[0]
+        self.baud = baud or RATES[0]
         """Bits per second, now."""
-        self._next = _rates(self.baud)
+        self.restart()
+
+    def restart(self) -> None:
+        """Start anew: the robot answered until now, or the port has just been opened."""
+        self._rates = cycle((self.baud, *(rate for rate in RATES if rate != self.baud)))
         self.calls = 0
         """Calls since the robot answered, or since the port was opened."""
         self._garbage = bytearray()
 
-    def restart(self) -> None:
-        """Start anew: the robot answered until now, or the port has just been opened."""
-        self._next = _rates(START_BAUDS[0] if self.raises else self.baud)
-        self.calls = 0
-        self._garbage.clear()
-
-    @property
-    def raises(self) -> bool:
-        """Whether this call is for a robot that is to change to START_BAUDS[0]."""
-        return self.searching and self.baud < SLOWEST_BAUD
-
     def next_baud(self) -> int:
         self.calls += 1
         if self.searching:
-            self.baud = next(self._next)
+            self.baud = next(self._rates)
         return self.baud
 
     def add_garbage(self, garbage: bytes) -> None:
@@ -81,17 +66,16 @@ class BaudSearch:
         """Return once what may be wrong, after some calls without an answer."""
         if self.calls != CALLS_BEFORE_NOTICE:
             return None
-        at = ' and '.join(map(str, START_BAUDS)) if self.searching else str(self.baud)
-        calls = f'The driver keeps calling{", at every rate" if self.searching else ""}'
+        at = TRIED if self.searching else str(self.baud)
         if len(self._garbage) >= GARBAGE_LIMIT:
             shown = ' '.join(str(byte) for byte in self._garbage[:12])
-            rate = '' if self.searching else ', or another baud rate (`baud: 0` tries all)'
+            rate = '' if self.searching else f', or another baud rate (`baud: 0` tries {TRIED})'
             return (f'something sends on the port, but not like a Create at {at} baud (it sent '
                     f'{shown} ...): if it is a Create, switch it off and on; is it another '
-                    f'device{rate}? {calls}')
-        hint = '' if self.searching else '; the parameter `baud: 0` tries other rates'
+                    f'device{rate}? The driver keeps calling')
+        hint = '' if self.searching else f'; the parameter `baud: 0` tries {TRIED}'
         return (f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
-                f'serial cable, plugged in all the way{hint}? {calls}')
+                f'serial cable, plugged in all the way{hint}? The driver keeps calling')
 
 
 WINDOW = 3.0
@@ -190,7 +174,7 @@ class Connection:
         if not budget.fits:
             core.notice(Severity.ERROR, (
                 f'{budget.baud} baud is too slow: a frame of {budget.size} bytes does not fit '
-                f'into {SLOT / MILLI:.0f} ms; use {SLOWEST_BAUD} or more'))
+                f'into {SLOT / MILLI:.0f} ms; use {START_BAUDS[1]} or more'))
 
     @property
     def baud(self) -> int:
@@ -325,10 +309,8 @@ class Connection:
         assert self._core.state.activity is Activity.CALLING
         self.frame_at = now
         baud = self._search.next_baud()
-        ask: oi.Command = oi.Stream(packets=self.plan.call.ids)
-        if self._search.raises:
-            ask = oi.Baud(code=oi.BaudCode.of_rate(START_BAUDS[0]))
-        elif baud != self.plan.baud:
+        ask = oi.Stream(packets=self.plan.call.ids)
+        if baud != self.plan.baud:
             self.plan.tune(baud)
             self.reader.expect(self.plan.lists)
         start = [] if self._core.counts.frames and not self.was_away(now) else [oi.Start()]
@@ -341,7 +323,7 @@ class Connection:
         elif calls == 1:
             stop = HALT.encode()  # next to nothing for a robot that may only wait
         size = len(stop) + sum(len(each.encode()) for each in (*start, ask))
-        answer = 0 if self._search.raises else self.plan.full.frame_size
+        answer = self.plan.full.frame_size
         self._call_interval = max(
             CALL_INTERVAL, ANSWER_TIME + (size + answer) * oi.BITS_PER_BYTE / baud)
         self._core.outbox.send_raw(stop)

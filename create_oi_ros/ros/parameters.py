@@ -46,7 +46,7 @@ class Parameters:
     port: str = parameter(
         '/dev/ttyUSB0', 'Serial device of the robot, or a pyserial URL (socket://HOST:PORT)')
     baud: int = parameter(
-        Settings.baud, 'Baud rate, bit/s; 0 looks for the robot at 57600, 19200, then the others',
+        Settings.baud, 'Baud rate, bit/s; 0 looks for the robot at 57600, 19200 and 115200',
         choices=(0, *BAUDS))
     mode_on_start: str = parameter(
         Settings.mode_on_start.name.lower(), 'Mode that the robot is put into',
