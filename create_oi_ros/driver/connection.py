@@ -82,17 +82,14 @@ WINDOW = 3.0
 """Seconds over which frames are counted."""
 MIN_FRAMES, GOOD_FRAMES = 0.8, 0.9
 """Fractions of all frames: with fewer something is wrong, with more the line is well again."""
-DAMAGED = 0.8
-"""Fraction of the missing frames' bytes: if more of them come as garbage, frames are damaged, not
-cut."""
 
 
 class FrameRate:
     """
     Counts frames over some seconds; `problem` says what is wrong, None while nothing is.
 
-    A frame that does not fit into its slot waits in the robot until its buffer is full, and is cut
-    then (manual: Stream). An adapter or a network may also carry less than its baud rate says.
+    Frames may be damaged on the line, cut where they do not fit into a slot (manual: Stream), or
+    lost by an adapter or a network that carries less than its baud rate says.
     """
 
     def __init__(self, counts: LinkCounts) -> None:
@@ -100,35 +97,30 @@ class FrameRate:
         self.problem: str | None = None
         self._begun: float | None = None
         """When the count began; None: not yet."""
-        self._frames = self._garbage = 0
-        """Frames and bytes of garbage that had come then."""
+        self._frames = 0
+        """Frames that had come then."""
 
     def restart(self) -> None:
         """Start counting again: the robot was away, or does not stream."""
         self._begun = None
 
-    def check(self, plan: StreamPlan, now: float) -> bool:
+    def check(self, baud: int, now: float) -> bool:
         """Check what has arrived up to now; True when a problem has begun or ended."""
         begun, before = self._begun, self.problem
         if begun is not None and now < begun + WINDOW:
             return False
-        counts = self._counts
-        frames, garbage = counts.frames - self._frames, counts.garbage_bytes - self._garbage
-        self._begun, self._frames, self._garbage = now, counts.frames, counts.garbage_bytes
+        frames = self._counts.frames - self._frames
+        self._begun, self._frames = now, self._counts.frames
         if begun is None:
             return False
         wanted = (now - begun) / SLOT
         if frames >= GOOD_FRAMES * wanted:
             self.problem = None
         elif frames < MIN_FRAMES * wanted:
-            arrive = f'only {frames / (now - begun):.0f} of {1 / SLOT:.0f} frames a second arrive'
-            missing = (wanted - frames) * plan.short.frame_size
-            faster = '' if plan.baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
+            faster = '' if baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
             self.problem = (
-                f'{arrive} whole, the others are damaged: is the plug loose, does a motor disturb '
-                'the line?' if plan.budget.fits and garbage > DAMAGED * missing else
-                f'frame budget exceeded: {arrive} at {plan.baud} baud: {faster}look at adapter, '
-                'network and cable')
+                f'only {frames / (now - begun):.0f} of {1 / SLOT:.0f} frames a second arrive '
+                f'whole at {baud} baud: {faster}look at plug, cable, adapter and network')
         return bool(before) != bool(self.problem)
 
 
@@ -220,7 +212,7 @@ class Connection:
         self._core.watch.seen(packets.ids)
         if not self._core.state.takes_commands:
             self._frame_rate.restart()
-        elif self._frame_rate.check(self.plan, now):
+        elif self._frame_rate.check(self.baud, now):
             problem = self._frame_rate.problem
             self._core.notice(Severity.WARNING if problem else Severity.INFO,
                               problem or 'frames arrive in time again')
@@ -249,9 +241,7 @@ class Connection:
             self._search.restart()
             garbage = self._core.counts.garbage_bytes - self._garbage_before
             why = 'the robot is off, asleep or unplugged'
-            if not self.plan.budget.fits:
-                why = f'frame budget exceeded: at {self.baud} baud long frames are cut'
-            elif now < self._ask_again_at:
+            if now < self._ask_again_at:
                 why = IGNORES  # it sends the shortest list, but none that it was asked for since
             elif garbage > self.plan.full.frame_size:
                 why = (f'{garbage} bytes came, but no frame among them: is the line disturbed, or '
