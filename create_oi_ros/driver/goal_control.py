@@ -11,10 +11,9 @@ from collections.abc import Container
 from math import inf
 
 from .. import oi
-from ..odometry import Estimate
 from .core import Core
 from .events import Cause, Moved, Severity
-from .goals import Code, Ending, Goal
+from .goals import Code, Goal
 from .goals.goal import (
     AGAIN,
     CLIFFS,
@@ -215,8 +214,8 @@ class GoalControl:
             how = f'{verb} {goal.way(goal.view.now - goal.begun_at)}'
         if over.code is not Code.NONE:
             text = f'{how}; {text}'
-        readings = self._core.readings
-        known = readings.has('oi_mode')
-        goal.settle(Ending(
-            over.code, text, self._odometry.estimate if known else Estimate(),
-            known and docked(readings)))
+        goal.code = over.code
+        if self._core.readings.has('oi_mode'):
+            goal.estimate = self._odometry.estimate
+            goal.docked = docked(self._core.readings)
+        goal.end(over.code is Code.NONE, text)

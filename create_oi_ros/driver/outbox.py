@@ -10,7 +10,7 @@ or when the robot has answered.
 from collections import deque
 from collections.abc import Callable
 from math import inf
-from typing import Generic, NamedTuple, TypeVar
+from typing import NamedTuple
 
 from .. import oi
 
@@ -43,49 +43,35 @@ def farewell(mode: oi.Mode | None, mode_on_exit: oi.Mode) -> list[oi.Command]:
 
 
 class Outcome(NamedTuple):
-    """How a request ended."""
+    """How a request, a goal or a tune ended."""
 
     ok: bool
     text: str
     """For people: what was done; or why it was not done, and what to do."""
 
 
-Result = TypeVar('Result')
+class Pending:
+    """A request, a goal or a tune whose outcome may not be known yet; the first one counts."""
 
-
-class Awaited(Generic[Result]):
-    """A result that may not be known yet. Only the first one counts."""
-
-    __slots__ = ('outcome', '_callbacks')
-
-    def __init__(self, outcome: Result | None = None) -> None:
+    def __init__(self, outcome: Outcome | None = None) -> None:
         self.outcome = outcome
         """None until it is known."""
-        self._callbacks: list[Callable[[Result], None]] = []
+        self._callbacks: list[Callable[[Outcome], None]] = []
 
-    def settle(self, outcome: Result) -> None:
-        """Say what the result is."""
+    def end(self, ok: bool, text: str) -> None:
+        """Say what the outcome is."""
         if self.outcome is None:
-            self.outcome = outcome
+            self.outcome = Outcome(ok, text)
             for callback in self._callbacks:
-                callback(outcome)
+                callback(self.outcome)
             self._callbacks.clear()
 
-    def then(self, callback: Callable[[Result], None]) -> None:
-        """Call back with the result: now if it is known, else as soon as it is."""
+    def then(self, callback: Callable[[Outcome], None]) -> None:
+        """Call back with the outcome: now if it is known, else as soon as it is."""
         if self.outcome is None:
             self._callbacks.append(callback)
         else:
             callback(self.outcome)
-
-
-class Pending(Awaited[Outcome]):
-    """A request whose outcome may not be known yet."""
-
-    __slots__ = ()
-
-    def end(self, ok: bool, text: str) -> None:
-        self.settle(Outcome(ok, text))
 
 
 def done(text: str) -> Pending:

@@ -109,13 +109,11 @@ def cancel_tune(driver: Driver, tune: Tune, _now: float, *, gone: bool) -> None:
 
 def goal_result(goal: Goal) -> Values:
     """Return how a goal ended; its pose gets a header yet."""
-    ending = goal.outcome
-    assert ending is not None
-    estimate = ending.estimate
-    z, w = of_yaw(estimate.yaw)
-    pose = Pose(position=Point(x=estimate.x, y=estimate.y), orientation=Quaternion(z=z, w=w))
-    return {'success': ending.code is Code.NONE, 'error_code': ending.code,
-            'message': ending.text, 'pose': PoseStamped(pose=pose)}
+    assert goal.outcome is not None
+    at = goal.estimate
+    z, w = of_yaw(at.yaw)
+    pose = Pose(position=Point(x=at.x, y=at.y), orientation=Quaternion(z=z, w=w))
+    return {**answer(goal.outcome), 'error_code': goal.code, 'pose': PoseStamped(pose=pose)}
 
 
 def tune_result(tune: Tune) -> Values:
@@ -174,7 +172,7 @@ ACTIONS = (
         name='dock', type=Dock, about='look for the Home Base and charge there; '
         'the service `dock` only starts to',
         make=lambda goal: goals.Dock(allowance(goal)), feedback=dock_seen,
-        result=lambda goal: {**goal_result(goal), 'is_docked': goal.outcome.docked}),
+        result=lambda goal: {**goal_result(goal), 'is_docked': goal.docked}),
     Action(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
         make=lambda goal: goals.Undock(allowance(goal)),
@@ -309,7 +307,7 @@ class Actions:
             return
         with self._session.request() as (driver, now):
             driver.goals.start(goal, now)
-        goal.then(lambda ending: log.info(f'{GOAL_POSE}: {ending.text}'))
+        goal.then(lambda outcome: log.info(f'{GOAL_POSE}: {outcome.text}'))
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         for each in self._pursued:

@@ -10,7 +10,7 @@ driver knows the outcome.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from create_oi_msgs import srv
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -21,14 +21,13 @@ from std_srvs.srv import Trigger
 
 from .. import oi
 from ..driver import Driver, Outcome, Pending
-from ..driver.outbox import Awaited, refused
+from ..driver.outbox import refused
 from ..link.session import Session
 from ..oi.tools.text import parse_script
 from . import messages
 from .messages import Values, yaw_of
 from .odometry_model import ModelKeeper
 
-Result = TypeVar('Result')
 QUEUE = QoSProfile(depth=200)
 """Requests that may arrive at once; more than the depth are never answered (ROS default: 10)."""
 
@@ -167,13 +166,13 @@ async def serve(node: Node, session: Session, model: ModelKeeper, service: Servi
     return type(response)(**answer(outcome))
 
 
-def future_of(awaited: Awaited[Result], node: Node) -> Future:
-    """Return a future of a result; the thread that brings it wakes the node."""
+def future_of(pending: Pending, node: Node) -> Future:
+    """Return a future of an outcome; the thread that brings it wakes the node."""
     ended = Future()
 
-    def end(result: Result) -> None:
-        ended.set_result(result)
+    def end(outcome: Outcome) -> None:
+        ended.set_result(outcome)
         if node.executor is not None:
             node.executor.wake()
-    awaited.then(end)
+    pending.then(end)
     return ended

@@ -151,7 +151,7 @@ def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(wheel):
         assert running.outcome is None
     loop.body.force(**{wheel: 1})
     loop.run(0.55)
-    assert running.outcome.code is Code.STALL
+    assert running.code is Code.STALL
 
 
 def view(dt: float, estimate: Estimate) -> View:

@@ -18,9 +18,17 @@ from hypothesis.stateful import initialize, rule, RuleBasedStateMachine, run_sta
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, DEAD_MAN_STOP, MotionLimits, Moved, Pending, Settings
+from create_oi_ros.driver import (
+    Activity,
+    DEAD_MAN_STOP,
+    MotionLimits,
+    Moved,
+    Outcome,
+    Pending,
+    Settings,
+)
 from create_oi_ros.driver.goal_control import CANCELED, CLIENT_GONE, MODE_WAIT
-from create_oi_ros.driver.goals import Dock, Ending, Goal, Undock
+from create_oi_ros.driver.goals import Dock, Goal, Undock
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.robot import SLOT, TOP_SPEED, WHEEL_SEPARATION
@@ -46,7 +54,7 @@ class Pursuit(NamedTuple):
 
     goal: Goal
     began: float
-    endings: list[Ending]
+    endings: list[Outcome]
     """What was told of its end."""
 
     def deadline(self) -> float:

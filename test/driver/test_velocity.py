@@ -131,7 +131,7 @@ def test_any_velocity_but_zero_takes_over_from_a_goal(velocity):
     running = moving(loop)
     loop.commands()
     loop.driver.drive(*velocity, loop.now)
-    assert running.outcome.code is Code.SUPERSEDED
+    assert running.code is Code.SUPERSEDED
     assert loop.driver.state.activity is Activity.DRIVING
     loop.turn()
     halt, first, *_ = drives(loop)

@@ -20,7 +20,7 @@ from ...robot import MILLI
 from ..events import Cause, MotionLimits
 from ..mode import causes_in
 from ..motion import BUMPS, Velocity
-from ..outbox import Awaited
+from ..outbox import Pending
 
 MAX_DISTANCE, MAX_ANGLE = 1000.0, 1000 * tau
 """Metres and radians of one goal at most: the odometry is worth little after that."""
@@ -72,18 +72,6 @@ class Progress(NamedTuple):
     phase: Phase | None = None
     infrared: int = 0
     """Character that the infrared receiver receives; 0 for a goal that does not look."""
-
-
-class Ending(NamedTuple):
-    """How a goal ended."""
-
-    code: Code
-    text: str
-    """For people: what was done; or why not, and what to do."""
-    estimate: Estimate = Estimate()
-    """Where the robot was then."""
-    docked: bool = False
-    """Whether the robot was on the contacts of a Home Base then."""
 
 
 class Malformed(ValueError):
@@ -165,8 +153,8 @@ Order = Velocity | Enter | Instruction | Over
 """A velocity to drive at, or one of the orders above."""
 
 
-class Goal(Awaited[Ending], ABC):
-    """One goal, pursued once; SI units. Its outcome is how it ended."""
+class Goal(Pending, ABC):
+    """One goal, pursued once; SI units."""
 
     needs_driving = True
     """Whether the robot must follow velocities when the goal begins."""
@@ -185,6 +173,12 @@ class Goal(Awaited[Ending], ABC):
         """When the robot was in its mode and the goal began; None before."""
         self.progress = Progress()
         """How far the goal is."""
+        self.code = Code.NONE
+        """How it ended, as a number."""
+        self.estimate = Estimate()
+        """Where the robot was then."""
+        self.docked = False
+        """Whether the robot was on the contacts of a Home Base then."""
         self.view: View
         """The newest view."""
         self.commanded = Velocity()
