@@ -35,6 +35,7 @@ from .motion import Motion
 from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
 from .script import ScriptControl
+from .songs import Songs
 from .state import Activity, StateEvent
 from .tracking import Tracking
 
@@ -61,6 +62,7 @@ class Driver:
         self.plan = self._connection.plan
         """The lists of packets that the robot is asked to stream."""
         self.outputs = Outputs(core)
+        self.songs = Songs(core)
         self.modes = Modes(core, self.outputs)
         self.motion = Motion(core, self.modes)
         self.scripts = ScriptControl(core, self.plan)
@@ -80,7 +82,7 @@ class Driver:
         if not self.state.robot_moves:
             self.core.outbox.call_off_motion()
         if event in ROBOT_UNKNOWN:
-            self.outputs.fail(LOST)
+            self.songs.fail(LOST)
             self._connection.forget()
             self._tracking.restart()
             self.modes.forget()
@@ -131,7 +133,7 @@ class Driver:
         self.scripts.poll(now)
         self._connection.check_silence(now)
         self.modes.poll(now)
-        self.outputs.poll(now)
+        self.songs.poll(now)
         if self.state.pursues:
             self.goals.poll(now)
         self.motion.poll(now)
@@ -182,7 +184,7 @@ class Driver:
             ignores_commands=self.core.watch.ignores,
             suspects_commands=self.core.watch.suspects,
             robot=self._tracking.robot, gyro=self._tracking.gyro,
-            battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
+            battery=self._battery.level, songs=tuple(sorted(self.songs.defined)))
 
     # What is requested.
 
@@ -249,7 +251,7 @@ class Driver:
         try:
             mode = oi.Mode.PASSIVE if self._may_play_demo else self.status.actual
             self.core.outbox.clear(*farewell(mode, self.settings.mode_on_exit))
-            self.outputs.fail('driver is shutting down')
+            self.songs.fail('driver is shutting down')
             self.modes.fail('driver is shutting down')
             script = self.scripts.status(now)
             if script is not None:
@@ -286,7 +288,7 @@ class Driver:
         self.core.handle(StateEvent.RETURNED if away else StateEvent.ANSWERED)
         wanted = self.status.wanted
         self.core.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
-        self.outputs.restore_songs()
+        self.songs.restore()
         self.modes.enter(wanted, now)
 
     def _after_script(self) -> None:
@@ -330,6 +332,6 @@ class Driver:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
         self.motion.resume()
         if self.state.takes_commands:
-            self.outputs.restore_songs()
+            self.songs.restore()
             if self.status.actual in oi.ACTUATE:
                 self.outputs.restore()

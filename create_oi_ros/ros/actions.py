@@ -32,7 +32,7 @@ from std_msgs.msg import Header
 from ..driver import Driver, goals
 from ..driver.goal_control import CANCELED, CLIENT_GONE
 from ..driver.goals import Code, Goal, Malformed, Phase
-from ..driver.outputs import Tune
+from ..driver.songs import Tune
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ..oi.tools.tunes import note_text, parse_tune
@@ -104,7 +104,7 @@ def cancel_goal(driver: Driver, goal: Goal, now: float, *, gone: bool) -> None:
 
 def cancel_tune(driver: Driver, tune: Tune, _now: float, *, gone: bool) -> None:
     """End a tune, if it has not ended."""
-    driver.outputs.cancel(tune, 'its client has gone' if gone else 'canceled')
+    driver.songs.cancel(tune, 'its client has gone' if gone else 'canceled')
 
 
 def goal_result(goal: Goal) -> Values:
@@ -184,7 +184,7 @@ ALL_ACTIONS = (
     Action(
         name='audio_note_sequence', type=AudioNoteSequence,
         about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)',
-        make=tune, start=lambda driver, tune, now: driver.outputs.play_tune(tune, now),
+        make=tune, start=lambda driver, tune, now: driver.songs.play_tune(tune, now),
         cancel=cancel_tune, feedback=note_played,
         news=lambda tune: (tune.iterations_played, tune.note), result=tune_result),
 )

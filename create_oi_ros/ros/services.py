@@ -34,8 +34,8 @@ QUEUE = QoSProfile(depth=200)
 
 def define_song(driver: Driver, request: srv.DefineSong.Request, now: float) -> Pending:
     song = request.number, list(request.pitches), list(request.seconds)
-    return (driver.outputs.define_and_play(*song, now) if request.play
-            else driver.outputs.define_song(*song))
+    return (driver.songs.define_and_play(*song, now) if request.play
+            else driver.songs.define(*song))
 
 
 def set_digital_outputs(
@@ -98,7 +98,7 @@ SERVICES = (
         about='store a song as MIDI numbers and seconds, and play it if `play` is set'),
     Service(
         name='play_song', type=srv.PlaySong,
-        request=lambda driver, request, now: driver.outputs.play_song(request.number, now),
+        request=lambda driver, request, now: driver.songs.play(request.number, now),
         about='play a song that was stored'),
     Service(
         name='set_leds', type=srv.SetLeds,

@@ -91,7 +91,7 @@ class Desk:
         """Return what a refused request must leave as it is."""
         robot = self.loop.robot
         return (robot.mode, robot.demo, robot.lights, robot.outputs, robot.actuators.wheels,
-                self.loop.body.truth().pose, dict(self.loop.driver.outputs.songs))
+                self.loop.body.truth().pose, dict(self.loop.driver.songs.defined))
 
 
 def legal_commands(heard: bytes) -> list[oi.Command]:

@@ -131,8 +131,8 @@ def test_a_song_plays_though_its_number_is_not_known() -> None:
     loop = Loop()
     loop.forged = {'song_number': 16}
     loop.run(1)
-    loop.driver.outputs.define_song(1, [60], [1.0])
-    request = loop.driver.outputs.play_song(1, loop.now)
+    loop.driver.songs.define(1, [60], [1.0])
+    request = loop.driver.songs.play(1, loop.now)
     loop.run(0.5)
     assert request.outcome is not None and request.outcome.ok
 

@@ -30,10 +30,10 @@ def test_a_duty_cycle_out_of_range_is_refused(loop, duty):
 
 
 def test_rounding_is_told(loop):
-    answer = ask(loop, loop.driver.outputs.define_song, 0, [60, 60], [0.1, 0.001])
+    answer = ask(loop, loop.driver.songs.define, 0, [60, 60], [0.1, 0.001])
     assert answer.ok
     assert answer.text.endswith('rounded to 1/64 s, by 6 ms at most')
-    longer = ask(loop, loop.driver.outputs.define_song, 0, [60, 60, 60], [0.5, 2.006, 0.0])
+    longer = ask(loop, loop.driver.songs.define, 0, [60, 60, 60], [0.5, 2.006, 0.0])
     assert longer.text.endswith('takes 2.500 s, asked for 2.506 s: notes are rounded to 1/64 s, '
                                 'by 6 ms at most')
 
@@ -45,9 +45,9 @@ def test_rounding_is_told(loop):
     (0, [256], [0.1], 'notes[0]'),
 ])
 def test_a_wrong_song_is_refused_before_a_byte_leaves(loop, number, pitches, seconds, named):
-    outputs, song = loop.driver.outputs, (number, pitches, seconds)
-    for answer in (ask(loop, outputs.define_song, *song),
-                   ask(loop, outputs.define_and_play, *song, loop.now)):
+    songs, song = loop.driver.songs, (number, pitches, seconds)
+    for answer in (ask(loop, songs.define, *song),
+                   ask(loop, songs.define_and_play, *song, loop.now)):
         assert not answer.ok
         assert named in answer.text
     assert loop.commands() == []
@@ -55,20 +55,20 @@ def test_a_wrong_song_is_refused_before_a_byte_leaves(loop, number, pitches, sec
 
 def test_define_and_play_stores_nothing_that_cannot_be_played(loop):
     in_mode(loop, oi.Mode.PASSIVE)
-    answer = ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5], loop.now)
+    answer = ask(loop, loop.driver.songs.define_and_play, 0, [60], [0.5], loop.now)
     assert not answer.ok
     assert 'set_mode' in answer.text
     assert not loop.robot.speaker.songs
     in_mode(loop, oi.Mode.SAFE)
-    assert ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5], loop.now).ok
+    assert ask(loop, loop.driver.songs.define_and_play, 0, [60], [0.5], loop.now).ok
     assert loop.moved[-1].readings.song_playing
 
 
 @pytest.mark.parametrize(('first', 'second'), [(0, 1), (3, 3)])
 def test_of_two_songs_sent_at_once_only_the_one_that_plays_is_said_to_play(loop, first, second):
-    outputs = loop.driver.outputs
-    one = outputs.define_and_play(first, [60], [1.0], loop.now)
-    two = outputs.define_and_play(second, [72], [2.0], loop.now)
+    songs = loop.driver.songs
+    one = songs.define_and_play(first, [60], [1.0], loop.now)
+    two = songs.define_and_play(second, [72], [2.0], loop.now)
     assert not two.outcome.ok
     assert f'song {first} is about to play' in two.outcome.text
     loop.run(0.2)
@@ -77,21 +77,21 @@ def test_of_two_songs_sent_at_once_only_the_one_that_plays_is_said_to_play(loop,
 
 
 def test_a_song_that_the_robot_does_not_play_is_said_not_to(loop):
-    assert ask(loop, loop.driver.outputs.define_song, 2, [60], [1.0]).ok
-    play = loop.driver.outputs.play_song(2, loop.now)
+    assert ask(loop, loop.driver.songs.define, 2, [60], [1.0]).ok
+    play = loop.driver.songs.play(2, loop.now)
     loop.driver.poll(loop.now)
     assert loop.driver.data_to_send()  # lost on the line
     loop.run(0.4)
     assert play.outcome is None
     loop.run(0.3)
     assert (play.outcome.ok, 'does not report it' in play.outcome.text) == (False, True)
-    again = loop.driver.outputs.play_song(2, loop.now)
+    again = loop.driver.songs.play(2, loop.now)
     loop.driver.disconnected('gone')
     assert not again.outcome.ok
 
 
 def test_a_song_too_short_to_be_seen_is_said_to_be_sent(loop):
-    answer = ask(loop, loop.driver.outputs.define_and_play, 2, [60], [0.02], loop.now)
+    answer = ask(loop, loop.driver.songs.define_and_play, 2, [60], [0.02], loop.now)
     assert answer.ok
     assert answer.text.endswith('song 2 sent to play; it is too short to be seen playing')
 
@@ -116,7 +116,7 @@ def test_an_output_is_set_by_its_name_and_the_others_stay():
     lambda driver: driver.outputs.set_outputs(HIGH),
     lambda driver: driver.outputs.set_drivers((0, 0, 1)),
     lambda driver: driver.outputs.send_ir(1),
-    lambda driver: driver.outputs.define_song(0, [60], [0.5]),
+    lambda driver: driver.songs.define(0, [60], [0.5]),
     lambda driver: driver.modes.start_demo(oi.DemoNumber.COVER),
     lambda driver: driver.scripts.define(WAITING),
     lambda driver: driver.scripts.play(0.0, force=True),
@@ -130,7 +130,7 @@ def test_what_no_packet_shows_is_only_said_to_be_sent(loop, request_of):
 
 
 def test_a_song_that_was_not_defined_is_refused(loop):
-    assert 'define_song' in ask(loop, loop.driver.outputs.play_song, 7, loop.now).text
+    assert 'define_song' in ask(loop, loop.driver.songs.play, 7, loop.now).text
 
 
 def test_before_the_mode_is_known_every_request_is_refused():
@@ -150,7 +150,7 @@ def set_everything(loop: Loop) -> None:
     assert ask(loop, loop.driver.outputs.set_leds, LEDS).ok
     assert ask(loop, loop.driver.outputs.set_outputs, HIGH).ok
     assert ask(loop, loop.driver.outputs.set_drivers, (1.0, 0.0, 0.0)).ok
-    assert ask(loop, loop.driver.outputs.define_song, 3, [60], [0.5]).ok
+    assert ask(loop, loop.driver.songs.define, 3, [60], [0.5]).ok
 
 
 def assert_restored(loop: Loop) -> None:

@@ -347,8 +347,8 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(number=st.integers(0, 15))
     def play_song(self, number):
-        self.loop.request(self.driver.outputs.define_song(number, [60, 64], [0.1, 0.2]))
-        self.loop.request(self.driver.outputs.play_song(number, self.loop.now))
+        self.loop.request(self.driver.songs.define(number, [60, 64], [0.1, 0.2]))
+        self.loop.request(self.driver.songs.play(number, self.loop.now))
 
     @rule(color=st.integers(0, 255))
     def light(self, color):

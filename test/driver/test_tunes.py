@@ -3,7 +3,7 @@
 """Tunes of more notes than a song of the robot holds, against the simulated robot."""
 
 from create_oi_ros import oi
-from create_oi_ros.driver.outputs import FOREVER, Tune
+from create_oi_ros.driver.songs import FOREVER, Tune
 from create_oi_ros.oi.tools.tunes import parse_tune
 from support.asking import ask, in_mode
 from support.loop import Loop
@@ -15,7 +15,7 @@ NOTES = parse_tune(' '.join(f'{36 + place}:1/{8 + place % 3}' for place in range
 def play(loop: Loop, notes=NOTES, iterations: int = 1) -> Tune:
     """Have a tune played."""
     tune = Tune(notes, iterations)
-    loop.driver.outputs.play_tune(tune, loop.now)
+    loop.driver.songs.play_tune(tune, loop.now)
     return tune
 
 
@@ -56,17 +56,17 @@ def test_the_note_that_sounds_is_told(loop):
 
 
 def test_songs_of_the_user_are_never_touched(loop):
-    outputs = loop.driver.outputs
+    songs = loop.driver.songs
     for number in range(14):
-        assert ask(loop, outputs.define_song, number, [60], [0.5]).ok
+        assert ask(loop, songs.define, number, [60], [0.5]).ok
     tune = play(loop)
     loop.run(0.5)
-    assert ask(loop, outputs.define_song, 14, [61], [0.5]).ok  # the one that the tune stored
+    assert ask(loop, songs.define, 14, [61], [0.5]).ok  # the one that the tune stored
     kept = {number: loop.robot.speaker.songs[number] for number in range(15)}
     heard(loop, tune)
     assert not tune.outcome.ok and 'all are defined: define fewer' in tune.outcome.text
     assert {number: loop.robot.speaker.songs[number] for number in range(15)} == kept
-    ask(loop, outputs.define_song, 15, [62], [0.5])
+    ask(loop, songs.define, 15, [62], [0.5])
     loop.run(4.0)
     refused = play(loop)
     assert refused.outcome == (
@@ -77,7 +77,7 @@ def test_a_song_that_the_user_defines_meanwhile_is_given_up(loop):
     tune = play(loop)
     loop.run(0.5)
     stored, = loop.robot.speaker.songs.keys() - {loop.robot.speaker.number}
-    assert ask(loop, loop.driver.outputs.define_song, stored, [61], [0.5]).ok
+    assert ask(loop, loop.driver.songs.define, stored, [61], [0.5]).ok
     numbers = [note for note, _ in heard(loop, tune) if note != oi.REST]
     assert tune.outcome.ok and numbers[-30:] == [note.number for note in NOTES[-30:]]
     assert loop.robot.speaker.songs[stored] == ((61, 32),)
@@ -90,10 +90,10 @@ def test_a_tune_is_repeated_until_it_is_canceled(loop):
     twice = play(loop, parse_tune('C4:1/64 E4:1/64'), 2)
     assert 'a tune plays: cancel its goal' in twice.outcome.text
     assert 'a tune plays' in ask(
-        loop, loop.driver.outputs.define_and_play, 0, [60], [1.0], loop.now).text
-    loop.driver.outputs.cancel(twice)
+        loop, loop.driver.songs.define_and_play, 0, [60], [1.0], loop.now).text
+    loop.driver.songs.cancel(twice)
     assert tune.outcome is None
-    loop.driver.outputs.cancel(tune)
+    loop.driver.songs.cancel(tune)
     assert tune.outcome.text == 'canceled; the song that plays goes on to its end'
     loop.run(1.0)
     assert loop.robot.note == oi.REST
