@@ -12,9 +12,9 @@ from collections.abc import Callable
 
 from .. import oi
 from .events import DriverEvent, LinkCounts, ModeStatus, Notice, Settings, Severity
+from .listening import IGNORES, Listening
 from .outbox import MODE_COMMANDS, Outbox, Pending, refused
 from .state import Activity, REFUSALS, State, StateEvent
-from .stream import CommandWatch, IGNORES
 
 
 class Core:
@@ -34,7 +34,7 @@ class Core:
         self.events: deque[DriverEvent] = deque()
         """What has happened, oldest first."""
         self.counts = LinkCounts()
-        self.watch = CommandWatch()
+        self.listening = Listening(self.outbox, self.notice)
         self._follow = follow
         self._mistakes: set[str] = set()
 
@@ -67,7 +67,7 @@ class Core:
         status = self.status
         if self.state.refusal is not None:
             return self.state.refusal
-        if self.watch.ignores:
+        if self.listening.ignores:
             return IGNORES
         if status.actual is None and not status.unknown:
             return REFUSALS[Activity.CALLING]

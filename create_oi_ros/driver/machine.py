@@ -30,6 +30,7 @@ from .events import (
     Severity,
 )
 from .goal_control import COMMANDED, GoalControl
+from .listening import QUESTIONS
 from .mode import causes_in, docked, Modes
 from .motion import Motion
 from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
@@ -112,12 +113,7 @@ class Driver:
         reader = self._connection.reader
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.Frame):
-                if event.packets is self.plan.call:
-                    self.scripts.listens()
-                    if self._connection.call_answered(now):
-                        self._send_again()
-                else:
-                    self._take_frame(event, now)
+                self._take_frame(event, now)
             else:
                 self._connection.add_garbage(event.data)
         self.counts.checksum_failures = reader.checksum_failures
@@ -137,10 +133,13 @@ class Driver:
         if self.state.pursues:
             self.goals.poll(now)
         self.motion.poll(now)
-        suspected = self.core.watch.suspects
-        self._connection.watch_commands(self.motion.missed_since, now)
-        if suspected and not self.core.watch.suspects:
+        listening = self.core.listening
+        if not self.state.takes_commands:
+            listening.trust()
+        elif listening.check(self.motion.missed_since, now):
             self._send_again()
+        if self.state.answered:
+            listening.poll(now)
         self._connection.ask(now, motion_due=self._tracking.odometry.reading_due)
         self.core.outbox.release(now)
 
@@ -181,8 +180,8 @@ class Driver:
             line_problem=connection.problem,
             frame_age=now - connection.frame_at if self.counts.frames else None,
             spare_bytes=self.plan.budget.spare, checksum=connection.reader.checksum,
-            ignores_commands=self.core.watch.ignores,
-            suspects_commands=self.core.watch.suspects,
+            ignores_commands=self.core.listening.ignores,
+            suspects_commands=bool(self.core.listening.doubt),
             robot=self._tracking.robot, gyro=self._tracking.gyro,
             battery=self._battery.level, songs=tuple(sorted(self.songs.defined)))
 
@@ -202,17 +201,15 @@ class Driver:
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        vain = (
-            self.state.activity is Activity.CLOSED
-            or self.state.activity is Activity.SCRIPT and self.scripts.stop_sent
-            or self.core.watch.suspects and self.motion.stop_sent and not self._may_play_demo)
-        if not vain:
+        if self.state.activity is not Activity.CLOSED and (
+                not self.state.answered or self.core.listening.admits_stop()):
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
-        self.scripts.stop_sent = True
         if self.core.outbox.call_off_motion() and self.scripts.playing:
-            self.scripts.end()
+            self.core.listening.open = False
+            self.plan.asked = None
+            self.core.handle(StateEvent.SCRIPT_ENDED)
         self.core.handle(StateEvent.STOPPED)
         why = self.scripts.status(now) or self.core.refusal(oi.Demo)
         return done('stop sent') if why is None else refused(why)
@@ -265,17 +262,21 @@ class Driver:
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
-        before = self.core.readings
-        moved = self._tracking.take(frame, self._connection.baud, now)
-        self._connection.add_frame(frame.packets, now)
+        before, activity, connection = self.core.readings, self.state.activity, self._connection
+        answers = connection.take_answer(frame.packets, now)
+        if frame.packets in QUESTIONS:
+            if answers and self.state.answered:
+                self._send_again()
+            return
+        moved = self._tracking.take(frame, connection.baud, now)
+        connection.add_frame(frame.packets, now)
+        if answers:
+            self._after_script()
         if moved is None:
             return
-        activity = self.state.activity
         if activity is Activity.CALLING:
             self._found(before, now)
-        elif activity is Activity.SCRIPT and frame.packets == self.plan.marker:
-            self._after_script()
-        self._connection.present_at = now
+        connection.present_at = now
         self.core.events.append(moved)
         self._unchecked.append(moved)
 
@@ -285,6 +286,7 @@ class Driver:
                      for each in (before, self.core.readings))
         away = self._connection.was_away(now) or had is not None and (
             had is not mode or mode not in oi.ACTUATE)
+        self.core.listening.open = False
         self.core.handle(StateEvent.RETURNED if away else StateEvent.ANSWERED)
         wanted = self.status.wanted
         self.core.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
@@ -292,8 +294,8 @@ class Driver:
         self.modes.enter(wanted, now)
 
     def _after_script(self) -> None:
-        """React to a frame that shows that the script has ended."""
-        self.scripts.end()
+        """React to a robot that has shown that its script has ended."""
+        self.core.handle(StateEvent.SCRIPT_ENDED)
         if self.scripts.resets_accumulators:
             self._tracking.odometry.recounted()
         self.core.notice(Severity.INFO, (
@@ -331,7 +333,6 @@ class Driver:
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
         self.motion.resume()
-        if self.state.takes_commands:
-            self.songs.restore()
-            if self.status.actual in oi.ACTUATE:
-                self.outputs.restore()
+        self.songs.restore()
+        if self.status.actual in oi.ACTUATE:
+            self.outputs.restore()

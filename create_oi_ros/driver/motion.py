@@ -193,10 +193,6 @@ class Motion:
         """Want the wheels to stand, at once."""
         self._wanted = self._speeds = STOPPED
 
-    @property
-    def stop_sent(self) -> bool:
-        return self._sent == (0, 0)
-
     def resume(self) -> None:
         """Send speeds again, on from those that the robot reports: it may have missed some."""
         self._speeds = WheelSpeeds(*(self._reported or STOPPED))
@@ -204,7 +200,7 @@ class Motion:
         self._send_again()
 
     def _send_again(self) -> None:
-        if not self._core.watch.suspects:
+        if not self._core.listening.open:
             self._sent = None
 
     def handled(self, event: StateEvent) -> None:
@@ -230,7 +226,7 @@ class Motion:
             return
         self._reported = reported
         if self._sent == reported:
-            if before != reported or not self._core.watch.suspects:
+            if before != reported or not self._core.listening.open:
                 self.missed_since = None
         elif self._sent is not None and now - self._sent_at > REPORT_TIMEOUT:
             if self.missed_since is None:
@@ -259,8 +255,8 @@ class Motion:
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
         bumps = self._core.readings.number('bumps_and_wheel_drops', 0) & BUMPS
         blocked = bool(bumps) and limits.bump_stop
-        if self._core.watch.suspects:  # only a stop is sent, and once
-            if self.stop_sent or not blocked and self._wanted != STOPPED:
+        if self._core.listening.open:  # only a stop is sent, and once
+            if self._sent == (0, 0) or not blocked and self._wanted != STOPPED:
                 return None
             self._sent, self._sent_at = (0, 0), now
             return HALT

@@ -5,14 +5,16 @@ Scripts in the robot: stored and played.
 
 While a script waits, the robot obeys nothing, a stop included, and it does not report the end.
 Whether it loses what it is sent meanwhile or obeys it afterwards is not known, nor how much it can
-keep. So the driver sends, once, a stop and a request for a list of packets that it uses for
-nothing else: a frame with that list shows that the robot listens again and that the wheels stand.
-A robot that keeps what it is sent needs no more. One that loses it is polled by `Probe` from when
-the script should have ended, and is sent stop and request again when it listens.
+keep. So the driver sends, once, a stop and a question (`listening`), which a robot that keeps what
+it is sent answers after its script. One that loses it is asked again from when the script should
+have ended. Whichever answer comes, the wheels are stopped.
 
 The last Drive is reported in packets 39 and 40, the last Drive Direct in 41 and 42, and nothing
 tells which of them came last. So a script is followed if it uses only one of them.
 """
+
+from collections.abc import Iterable
+from math import inf
 
 from .. import oi
 from ..oi.commands import wheel_speeds
@@ -27,9 +29,10 @@ from ..oi.script import (
 from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .core import Core
+from .listening import ASK_INTERVAL
 from .outbox import HALT, Pending, refused
 from .state import Activity, StateEvent
-from .stream import DRIVE_REQUEST, POLL_INTERVAL, Probe, requested_speeds, StreamPlan
+from .stream import DRIVE_REQUEST, requested_speeds, StreamPlan
 
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""
@@ -56,13 +59,8 @@ class ScriptControl:
         """Whether the script that played last has set distance and angle to zero as it waited for
         them (manual), so that a part of the motion is missing from them. False where it was not
         followed: then that part is all that is known."""
-        self._due = 0.0
-        """When `poll` has something to do next."""
-        self._probe = Probe(core.outbox, plan)
-        self._end_asked = False
-        """Whether the list that shows the end was asked for."""
-        self.stop_sent = False
-        """Whether a stop was sent since the script was sent to play: another one adds nothing."""
+        self._ask_at = inf
+        """When the robot is asked for the first time whether its script has ended."""
         self._ends_at: float | None = None
         """When the script that plays should end; None where that is not known."""
 
@@ -93,23 +91,25 @@ class ScriptControl:
         core.outbox.send(CLEARED)
         core.outbox.send(oi.Stream(packets=self._plan.script.ids))
         request = core.outbox.send(oi.PlayScript(), 'script sent to play')
-        self._follow()
-        self._due, self._end_asked, self.stop_sent = now + POLL_INTERVAL, False, False
-        self._ends_at, begin = None, self._due + POLL_INTERVAL
+        commands = commands_of(stored) if stored else []
+        self._follow(commands)
+        self._ask_at = now + ASK_INTERVAL
+        self._ends_at, again = None, self._ask_at + ASK_INTERVAL
         takes = None if stored is None or not can_end(stored) else duration(
             stored, core.status.actual or oi.Mode.OFF, SEPARATION)
         if takes is not None:
             self._ends_at = now + takes
-            begin = max(begin, now + takes + LATE + LATE_FRACTION * takes)
-        self._probe.begin(begin)
+            again = max(again, now + takes + LATE + LATE_FRACTION * takes)
+        streamed = [each.packets for each in commands if isinstance(each, oi.Stream)]
+        core.listening.begin(again, [
+            each for each in self._plan.questions if each.ids not in streamed])
         core.handle(StateEvent.SCRIPT_STARTED)
         return request
 
-    def _follow(self) -> None:
+    def _follow(self, commands: Iterable[oi.Command]) -> None:
         """Find out whether packets can tell how fast the wheels run by the stored script."""
         known = self._stored is not None and self._core.refusal(oi.Drive) is None
-        used: set[type[oi.Command]] = {type(each) for each in commands_of(
-            self._stored)} if self._stored else set()
+        used = set(map(type, commands))
         self._by_drive = oi.Drive in used
         self._followed = known and oi.Script not in used and not (
             self._by_drive and oi.DriveDirect in used)
@@ -163,33 +163,17 @@ class ScriptControl:
             right, left = requested_speeds(readings)
         return None if None in (right, left) else (right / MM_PER_M, left / MM_PER_M)
 
-    def end(self) -> None:
-        """Note that the script has ended, or was never sent to be played."""
-        self._plan.asked = None
-        self._core.handle(StateEvent.SCRIPT_ENDED)
-
     @property
     def goes_on(self) -> bool:
         """Whether the script that played last plays itself, so that it may not have ended."""
         return self._stored is not None and not can_end(self._stored)
 
-    def listens(self) -> None:
-        """Stop a robot that shows that it listens again, and ask whether its script has ended."""
-        if self.playing and self._probe.answered():
-            self._ask_for_end()
-
-    def _ask_for_end(self) -> None:
-        self._core.outbox.send(HALT)
-        self._core.outbox.send(oi.Stream(packets=self._plan.marker.ids))
-
     def poll(self, now: float) -> None:
-        """Advance timers: when to ask for the end, and the next poll of a robot that waits."""
-        if not self.playing or now < self._due or self._core.outbox.busy:
-            return
-        if not self._end_asked:
-            self._ask_for_end()
-            self._end_asked = True
-        self._probe.poll(now)
+        """Ask for the first time whether the script has ended."""
+        if self.playing and now >= self._ask_at and not self._core.outbox.busy:
+            self._ask_at = inf
+            self._core.outbox.send(HALT)
+            self._core.listening.ask()
 
     def forget(self) -> None:
         """Forget the script: no robot answers, it may have been switched off."""

@@ -9,6 +9,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Settings, Severity
+from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.driver.outbox import HALT
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
@@ -143,11 +144,15 @@ def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off():
     assert said(loop, Severity.ERROR, 'but no frame among them') == 1
 
 
+@pytest.mark.parametrize('opened', range(1, 1 + len(QUESTIONS)))
 @pytest.mark.parametrize('robot_baud', RATES)
-def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(robot_baud):
+def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(robot_baud, opened):
     robot, driver = Create(Body(shipped('empty'))), Driver(Settings(baud=0))
     rate = oi.Baud(code=oi.BaudCode.of_rate(robot_baud))
     robot.receive(oi.Start().encode() + rate.encode(), 0.0)
+    for _ in range(opened):  # each time another list is asked for
+        driver.connected(1.0)
+        driver.disconnected('cable out')
     driver.connected(1.0)
     for now in (1 + step * 0.005 for step in range(3000)):
         driver.poll(now)

@@ -6,12 +6,13 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity
+from create_oi_ros.driver import Activity, Severity
+from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.sim.firmware.guesses import Guesses
 from support.asking import ask, power_cycle
-from support.loop import Loop
+from support.loop import Loop, texts
 
 LEDS = oi.Leds(bits=oi.LedBits.PLAY | oi.LedBits.ADVANCE, color=10, intensity=200)
 WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
@@ -198,12 +199,34 @@ def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
     assert loop.body.truth().speed == 0
 
 
-def test_a_script_that_streams_the_list_of_a_call_is_not_taken_for_silence(loop):
-    call = oi.Stream(packets=loop.driver.plan.call.ids)
-    ask(loop, loop.driver.scripts.define, build_script([call, oi.WaitTime(time=20)]))
+@pytest.mark.parametrize('packets', [*QUESTIONS, *Loop().driver.plan.questions], ids=str)
+def test_a_script_that_streams_the_list_of_a_question_is_not_taken_for_silence(loop, packets):
+    asks = oi.Stream(packets=packets.ids)
+    ask(loop, loop.driver.scripts.define, build_script([asks, oi.WaitTime(time=20)]))
     ask(loop, loop.driver.scripts.play, loop.now, force=False)
     loop.run(1.5)
     assert loop.driver.scripts.playing
     loop.run(1.5)
     assert not loop.driver.scripts.playing
     assert loop.driver.counts.silences == 0
+
+
+@pytest.mark.parametrize('queue', [0, 256])
+@pytest.mark.parametrize('delay', [0.0, 0.008, 0.016, 0.04])
+def test_a_script_that_is_played_again_as_soon_as_it_has_ended_is_followed_to_its_end(
+        delay, queue):
+    loop = Loop(delay=delay)
+    loop.robot.guesses = Guesses(wait_queue=queue)
+    loop.run(3.0)
+    ask(loop, loop.driver.scripts.define, parse_script(
+        'Drive velocity=150 radius=straight; Wait Time time=12; Drive velocity=0 radius=straight'))
+    for _ in range(3):
+        played, begun = loop.driver.scripts.play(loop.now, force=False), loop.now
+        while loop.driver.scripts.playing:
+            loop.turn()
+        assert played.outcome.ok
+        assert loop.now - begun > 1.19, 'it is said to be over while it plays'
+        assert loop.robot.actuators.wheels == (0, 0) and not loop.robot.waiting
+    loop.drive(0.2, 0.0, 0.5)
+    assert loop.body.truth().speed == pytest.approx(0.2, abs=0.01)
+    assert not texts(loop.notices, Severity.ERROR)

@@ -14,6 +14,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, WAKE_UP
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.actuators import DARK, Lights
@@ -184,7 +185,7 @@ def waits_once_it_has_answered(wait: oi.Command, **guesses: object) -> Loop:
     loop.robot.guesses = replace(loop.robot.guesses, **guesses)
     loop.run(0.5)
     loop.drive(0.3, 0.0, 0.5)
-    call = oi.Stream(packets=loop.driver.plan.call.ids)
+    call = oi.Stream(packets=QUESTIONS[0].ids)
     loop.robot.receive(call.encode() + wait.encode(), loop.now)
     return loop
 

@@ -7,6 +7,7 @@ import threading
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, LinkCounts, Notice, Settings
+from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.driver.outbox import farewell, HALT
 from create_oi_ros.link.port import PortError
 from create_oi_ros.link.session import RETRY_FIRST, RETRY_MOST, Session
@@ -104,7 +105,7 @@ def test_a_port_lost_by_one_thread_is_closed_by_the_one_that_reads_it():
     def read() -> bytes:
         reading.set()
         assert may_return.wait(TIMEOUT)
-        return ours.driver.plan.call.pack_frame([1])
+        return QUESTIONS[0].pack_frame([1])
 
     def read_second() -> bytes:
         opened_again.set()
@@ -173,7 +174,7 @@ def test_the_rate_changes_when_all_bytes_have_left_also_for_the_farewell():
     ours, _ = session_on(lambda *_, **__: port, baud=0, mode_on_exit=oi.Mode.FULL)
     ours._open()
     assert isinstance(port.did[-1], bytes)
-    ours.driver._connection._search.baud = 19200
+    ours.driver._connection.baud = 19200
     ours.close()
     assert port.did[1:] == ['flush', 19200, FAREWELL, 'flush', 'close']
 
@@ -186,7 +187,7 @@ def test_all_that_passes_is_recorded_in_its_order_and_a_loss_once():
                       (RecordKind.TO_ROBOT, port.did[0])]
     passed.clear()
     ours._read(port)
-    ours.driver._connection._search.baud = 19200
+    ours.driver._connection.baud = 19200
     for failing in (False, True, True):
         port.failing = failing
         with ours.request() as (driver, now):
