@@ -14,14 +14,16 @@ from .. import oi
 from .events import DriverEvent, LinkCounts, ModeStatus, Notice, Settings, Severity
 from .listening import IGNORES, Listening
 from .outbox import MODE_COMMANDS, Outbox, Pending, refused
-from .state import Activity, REFUSALS, State, StateEvent
+from .state import Activity, REFUSALS, State, StateEvent, Then
 
 
 class Core:
     """Made once, and passed to every part."""
 
-    def __init__(self, settings: Settings, follow: Callable[[StateEvent], None]) -> None:
-        """`follow` is called after each event, once the state has changed."""
+    def __init__(
+        self, settings: Settings, follow: Callable[[StateEvent, tuple[Then, ...]], None],
+    ) -> None:
+        """`follow` is called after each event with what follows, once the state has changed."""
         self.settings = settings
         self.limits = settings.limits
         """Limits of the next velocities."""
@@ -40,10 +42,11 @@ class Core:
 
     def handle(self, event: StateEvent) -> None:
         """Let an event change the state: the only place where it changes."""
-        if self.state.handle(event):
-            self._follow(event)
-        else:
+        consequences = self.state.handle(event)
+        if consequences is None:
             self._report_unknown(event)
+        else:
+            self._follow(event, consequences)
 
     def _report_unknown(self, event: StateEvent) -> None:
         """Log once a mistake of the driver: an event where no table lists it."""

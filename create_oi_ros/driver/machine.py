@@ -7,8 +7,8 @@ It mirrors the robot's: `receive(bytes, now)`, `poll(now)`, `data_to_send()`. Ca
 bytes have come, `poll` whenever time has passed, and write what `data_to_send` returns; fetch
 what happened with `next_event`. `now` is in seconds on any clock that does not go backwards.
 
-What the driver is doing is one value, `state`: `Core.handle` changes it, and `_follow` tells the
-parts what follows. A request (modes.set, outputs.set_leds, ...) returns a `Pending`; `poll` sends.
+What the driver is doing is one value, `state`: `Core.handle` changes it, and `_follow` does what
+follows. A request (modes.set, outputs.set_leds, ...) returns a `Pending`; `poll` sends.
 """
 
 from collections import deque
@@ -37,11 +37,9 @@ from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
 from .script import ScriptControl
 from .songs import Songs
-from .state import Activity, StateEvent
+from .state import Activity, StateEvent, Then
 from .tracking import Tracking
 
-ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
-"""Events after which nothing is known of the robot."""
 SLOW_CHECK_INTERVAL = 0.1
 """Seconds between two checks of what changes within seconds."""
 MAX_COORDINATE = 1e6
@@ -77,20 +75,36 @@ class Driver:
         """Frames that were reported as events, and that `poll` still has to check."""
         self._check_at = -inf
 
-    def _follow(self, event: StateEvent) -> None:
-        """Tell the wheels and the other parts what follows from an event."""
-        self.motion.handled(event)
-        if not self.state.robot_moves:
-            self.core.outbox.call_off_motion()
-        if event in ROBOT_UNKNOWN:
-            self.songs.fail(LOST)
-            self._connection.forget()
-            self._tracking.restart()
-            self.modes.forget()
-            self.motion.resume()
-            self.scripts.forget()
-            self._unchecked.clear()
-        self.goals.handled(event)
+    def _follow(self, event: StateEvent, consequences: tuple[Then, ...]) -> None:
+        """Do what follows from an event."""
+        for then in consequences:
+            match then:
+                case Then.STAND:
+                    self.motion.stop()
+                case Then.AGAIN:
+                    self.motion.send_again()
+                case Then.CALL_OFF:
+                    self.core.outbox.call_off_motion()
+                case Then.FORGET:
+                    self._forget()
+                case Then.FAIL:
+                    self.songs.fail(LOST)
+                    self.modes.fail()
+                case Then.END:
+                    self.goals.taken_over(event)
+                case Then.GIVE_BACK | Then.RESTORE:
+                    self.modes.give_back(enter=then is Then.RESTORE)
+                case Then.WARN:
+                    self.motion.warn_again()
+
+    def _forget(self) -> None:
+        """Forget what is known of the robot."""
+        self._connection.forget()
+        self._tracking.restart()
+        self.modes.forget()
+        self.motion.resume()
+        self.scripts.forget()
+        self._unchecked.clear()
 
     # What arrives and leaves, and what happened.
 
@@ -102,8 +116,8 @@ class Driver:
         """Stop talking: the port is gone."""
         self._connection.reader.flush()
         self.core.outbox.clear()
-        self.core.handle(StateEvent.PORT_CLOSED)
         self.modes.fail(f'port lost: {why}')
+        self.core.handle(StateEvent.PORT_CLOSED)
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
@@ -193,9 +207,9 @@ class Driver:
         if self.state.pursues:
             if not (finite and self.core.limits.commands_interrupt and (linear or angular)):
                 return
-            docking = self.state.activity is Activity.DOCKING
+            borrowed = self.modes.borrowed
             self.goals.finish(COMMANDED, now)
-            if docking:
+            if borrowed:
                 return  # the robot first has to enter its mode
         self.motion.command(linear, angular, now)
 
@@ -291,7 +305,7 @@ class Driver:
         wanted = self.status.wanted
         self.core.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
         self.songs.restore()
-        self.modes.enter(wanted, now)
+        self.modes.enter(now)
 
     def _after_script(self) -> None:
         """React to a robot that has shown that its script has ended."""

@@ -30,8 +30,6 @@ STOPPED = WheelSpeeds(0.0, 0.0)
 BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
 ENDED_BY_PAUSE = (Activity.HOLDING, Activity.DRIVING)
 """Activities that end when no command comes for the timeout."""
-SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
-"""Events after which the wheels still run at the speeds that were sent last."""
 AWAY = 'the robot was away, or in another mode, while commands went on'
 MIN_SENSIBLE_SPEED = 1e-6
 """Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0."""
@@ -197,20 +195,16 @@ class Motion:
         """Send speeds again, on from those that the robot reports: it may have missed some."""
         self._speeds = WheelSpeeds(*(self._reported or STOPPED))
         self.missed_since = None
-        self._send_again()
+        self.send_again()
 
-    def _send_again(self) -> None:
+    def send_again(self) -> None:
+        """Send the next speeds even where the robot was sent the same before."""
         if not self._core.listening.open:
             self._sent = None
 
-    def handled(self, event: StateEvent) -> None:
-        """Stop, or send the speeds again, as an event demands that has changed the state."""
-        if not self._core.state.moving:
-            self.stop()
-        if event not in SPEEDS_HOLD:
-            self._send_again()
-        if event in (StateEvent.ANSWERED, StateEvent.RETURNED, StateEvent.MODE_LEFT):
-            self._refusal_reported = False
+    def warn_again(self) -> None:
+        """Report the next velocity that is refused."""
+        self._refusal_reported = False
 
     def observe(self, readings: oi.Readings, now: float) -> None:
         """
@@ -233,7 +227,7 @@ class Motion:
                 self.missed_since = self._sent_at
                 if reported == (0, 0):
                     self._speeds = STOPPED
-            self._send_again()
+            self.send_again()
 
     def _send_speeds(self, now: float) -> None:
         status = self._core.status

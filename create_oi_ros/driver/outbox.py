@@ -95,6 +95,8 @@ class _Queued(NamedTuple):
     request: Pending
     done: str = ''
     """How the request ends once it is written."""
+    rest: float = 0.0
+    """Seconds to leave before it, more than the command before it needs."""
     pause: float = 0.0
     """Seconds to leave after it."""
     moves: bool = False
@@ -111,16 +113,15 @@ class Outbox:
         self._unconfirmed: list[_Queued] = []
         """What was made ready, and is not known to be written."""
 
-    def send(self, command: oi.Command, done: str = '', *, pause: float = 0.0) -> Pending:
+    def send(self, command: oi.Command, done: str = '', *, rest: float = 0.0) -> Pending:
         """
         Queue a command; the request ends with `done` when it is written.
 
         ValueError, and nothing queued, where it is out of range.
         """
-        if command.enters is not None:
-            pause = max(pause, MODE_PAUSE)
-        queued = _Queued(command.encode(), Pending(), done, pause,
-                         isinstance(command, MOTION) and command != END_DEMO)
+        queued = _Queued(
+            command.encode(), Pending(), done, rest, 0.0 if command.enters is None else MODE_PAUSE,
+            isinstance(command, MOTION) and command != END_DEMO)
         self._queue.append(queued)
         return queued.request
 
@@ -157,7 +158,7 @@ class Outbox:
 
     def release(self, now: float) -> None:
         """Make ready what is due."""
-        while self._queue and now >= self._free_at:
+        while self._queue and now >= self._free_at + self._queue[0].rest:
             queued = self._queue.popleft()
             self._ready += queued.encoded
             self._free_at = now + queued.pause

@@ -88,9 +88,6 @@ class ScriptControl:
         if why is not None:
             return refused(why)
         core, stored = self._core, self._stored
-        core.outbox.send(CLEARED)
-        core.outbox.send(oi.Stream(packets=self._plan.script.ids))
-        request = core.outbox.send(oi.PlayScript(), 'script sent to play')
         commands = commands_of(stored) if stored else []
         self._follow(commands)
         self._ask_at = now + ASK_INTERVAL
@@ -104,7 +101,9 @@ class ScriptControl:
         core.listening.begin(again, [
             each for each in self._plan.questions if each.ids not in streamed])
         core.handle(StateEvent.SCRIPT_STARTED)
-        return request
+        core.outbox.send(CLEARED)
+        core.outbox.send(oi.Stream(packets=self._plan.script.ids))
+        return core.outbox.send(oi.PlayScript(), 'script sent to play')
 
     def _follow(self, commands: Iterable[oi.Command]) -> None:
         """Find out whether packets can tell how fast the wheels run by the stored script."""
@@ -118,6 +117,8 @@ class ScriptControl:
 
     def _cannot_play(self, *, force: bool) -> str | None:
         """Say why the stored script is not played, and what to do; None where it may be."""
+        if self._core.state.pursues:
+            return 'a goal runs: cancel it first'
         if self._core.state.moving:
             return 'the robot drives, and could not be told to stop meanwhile: stop it first'
         if self._stored == oi.Script(script=b''):

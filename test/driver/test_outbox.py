@@ -53,7 +53,7 @@ def test_what_was_not_written_is_lost_and_never_leaves() -> None:
     written = outbox.send(OFF, 'off')
     outbox.release(8.0)
     outbox.confirm()
-    ready, queued = outbox.send(oi.Safe(), 'safe', pause=9.0), outbox.send(OFF, 'off')
+    ready, queued = outbox.send(oi.Safe(), 'safe'), outbox.send(OFF, 'off', rest=9.0)
     outbox.send(OFF)
     outbox.release(8.5)
     outbox.clear()
@@ -61,11 +61,23 @@ def test_what_was_not_written_is_lost_and_never_leaves() -> None:
     assert ready.outcome == queued.outcome == (False, LOST)
     assert not outbox.busy and released(outbox, 30.0) == b''
     outbox.confirm()
-    outbox.send(oi.Safe(), pause=9.0)
+    outbox.send(oi.Safe())
     outbox.release(40.0)
     outbox.clear()
     outbox.send(OFF)
-    assert released(outbox, 40.1) == OFF.encode(), 'another robot owes no pause'
+    assert released(outbox, 40.01) == OFF.encode(), 'another robot owes no pause'
+
+
+def test_a_rest_goes_with_the_command_that_needs_it() -> None:
+    outbox = Outbox()
+    outbox.send(oi.Start())
+    demo = outbox.send(oi.CoverAndDock(), rest=1.0)
+    outbox.send(OFF)
+    assert released(outbox, 8.0) == oi.Start().encode()
+    assert released(outbox, 9.0) == b'', 'after the pause that the mode needs'
+    outbox.send(oi.Safe())
+    assert outbox.call_off_motion() and not demo.outcome.ok
+    assert released(outbox, 9.0) == OFF.encode() + oi.Safe().encode()
 
 
 # Who waits for an outcome.

@@ -119,12 +119,12 @@ class Undock(DrivingGoal):
             self.known_cliff = self.known_bump = True
         if self._docked and self._mode is not oi.Mode.FULL:
             self.stall = Stall()  # Safe may hold the robot
+        if self.begun_at is None and not self._docked:
+            return Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
         return super().hazard()
 
     def orders(self) -> Iterator[Order]:
         """Drive back; where Safe holds the robot, leave the dock in Full, and return to Safe."""
-        if not self._docked:
-            yield Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
         self._measure()
         self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD_TIME + 2 * MODE_WAIT)
         mode = first = oi.Mode.FULL if self._mode is oi.Mode.FULL else oi.Mode.SAFE
