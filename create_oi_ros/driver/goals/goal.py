@@ -11,7 +11,7 @@ goal for reasons that are not its own: a stop, another goal, a lost robot.
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from enum import auto, Enum, IntEnum
-from math import inf, isfinite, tau
+from math import inf, isfinite, radians, tau
 from typing import NamedTuple
 
 from ... import oi
@@ -21,6 +21,7 @@ from ..events import Cause, MotionLimits
 from ..mode import causes_in
 from ..motion import BUMPS, Velocity
 from ..outbox import Pending
+from ..stream import requested_speeds
 
 MAX_DISTANCE, MAX_ANGLE = 1000.0, 1000 * tau
 """Metres and radians of one goal at most: the odometry is worth little after that."""
@@ -181,16 +182,12 @@ class Goal(Pending, ABC):
         """Whether the robot was on the contacts of a Home Base then."""
         self.view: View
         """The newest view."""
-        self.commanded = Velocity()
-        """The velocity since the view before."""
         self._orders = self.orders()
 
     def step(self, view: View) -> Order:
         """Return what to do until the next frame; the first view begins the goal."""
         self.view = view
-        order = self.hazard() or next(self._orders)
-        self.commanded = order if isinstance(order, Velocity) else Velocity()
-        return order
+        return self.hazard() or next(self._orders)
 
     @abstractmethod
     def hazard(self) -> Over | None:
@@ -236,7 +233,7 @@ WHEELS = int(oi.Overcurrents.LEFT_WHEEL | oi.Overcurrents.RIGHT_WHEEL)
 OVERLOAD_TIME = 0.5
 """Seconds for which a wheel must draw too much current to count as held."""
 STALL_DISTANCE, MIN_FOLLOWED = 0.15, 0.3
-"""Metres of a wheel after which it is compared with what it was told, and the least part of that
+"""Metres of a wheel after which it is compared with what was asked, and the least part of that
 which a wheel that is not held travels."""
 STALL_TIME = 2.0
 """Seconds over which it is compared at least."""
@@ -268,29 +265,36 @@ def cliffs(readings: oi.Readings) -> list[str]:
 
 
 class Stall:
-    """Notices wheels that do not follow what they are told."""
+    """
+    Notices wheels that do not turn as the robot says that it was asked to turn them.
+
+    How far they went is what the robot has counted, and what it may have dropped of that at each
+    reading: a wheel that is slow, for whatever reason, is not taken for one that is held.
+    """
 
     def __init__(self) -> None:
         self._overloaded = 0.0
         self._restart()
 
     def _restart(self) -> None:
-        self._commanded = self._went = self._seconds = 0.0
+        self._asked = self._went = self._seconds = 0.0
 
-    def check(self, view: View, commanded: Velocity) -> Over | None:
-        """Return what ends the motion; `commanded` is the velocity since the frame before."""
+    def check(self, view: View) -> Over | None:
+        """Return what ends the motion."""
         readings, dt = view.readings, view.dt
         overloaded = readings.has('overcurrents') and int(readings.overcurrents) & WHEELS
         self._overloaded = self._overloaded + dt if overloaded else 0.0
         if self._overloaded > OVERLOAD_TIME:
             return Over(Code.STALL, 'a wheel draws too much current: is it held or blocked?')
-        half = view.limits.wheel_separation / 2
-        self._commanded += (abs(commanded.linear) + abs(commanded.angular) * half) * dt
-        self._went += (abs(view.estimate.linear) + abs(view.estimate.angular) * half) * dt
+        self._asked += max(abs(speed or 0) for speed in requested_speeds(readings)) * MILLI * dt
         self._seconds += dt
-        if self._commanded < STALL_DISTANCE or self._seconds < STALL_TIME:
+        if not view.measured:
             return None
-        stalled = self._went < MIN_FOLLOWED * self._commanded
+        turned = radians(abs(readings.angle) + 1) * view.limits.wheel_separation / 2
+        self._went += (abs(readings.distance) + 1) * MILLI + turned
+        if self._asked < STALL_DISTANCE or self._seconds < STALL_TIME:
+            return None
+        stalled = self._went < MIN_FOLLOWED * self._asked
         self._restart()
         if not stalled:
             return None
@@ -328,4 +332,4 @@ class DrivingGoal(Goal):
         if bump and (self.forward or not self.known_bump):
             return Over(Code.BUMP, f'the bumper is pressed {SIDES[bumps(readings)]}: drive '
                         'backwards or turn away')
-        return self.stall.check(view, self.commanded)
+        return self.stall.check(view)
