@@ -135,20 +135,22 @@ class Connection:
         """
         Tell whether a frame of this list answers the open question.
 
-        A robot that answers is asked for all packets, and so is one that goes on with the list of
-        a question. After a call, or a script, its wheels are stopped first.
+        A robot that answers is asked for all packets; after a call, or a script, its wheels are
+        stopped first. One that goes on with the list of a question has missed that.
         """
         core, answers = self._core, self._core.listening.answered(packets)
-        goes_on = packets in QUESTIONS and core.state.answered and not core.listening.open
-        if answers or goes_on and now >= self._ask_again_at:
-            self._ask_again_at = now + ASK_INTERVAL
+        if answers:
+            self.frame_at, self._ask_again_at = now, now + ASK_INTERVAL
             if not core.state.takes_commands:
-                self.frame_at = now
                 core.outbox.send_at_once(HALT, now)
             core.listening.trust()
             self.plan.asked = None
         elif packets in QUESTIONS and core.state.activity is Activity.SCRIPT:
             self.frame_at = now  # the script itself may have asked for this list
+        elif packets in QUESTIONS and core.state.takes_commands and now >= self._ask_again_at:
+            self._ask_again_at = now + ASK_INTERVAL
+            core.listening.trust()
+            core.outbox.send(oi.Stream(packets=self.plan.short.ids))
         return answers
 
     def add_frame(self, packets: oi.PacketList, now: float) -> None:
@@ -200,8 +202,9 @@ class Connection:
         core = self._core
         if core.listening.open or core.outbox.busy:
             return
-        stream = self.plan.next_stream(
-            now, motion_due=motion_due or not core.state.answered)  # a call gets one list
+        # A robot that has not shown the last list may wait; one that was called gets one list.
+        motion_due = motion_due and core.listening.unseen_since is None or not core.state.answered
+        stream = self.plan.next_stream(now, motion_due=motion_due)
         if stream is not None:
             core.outbox.send(stream)
             core.listening.asked(tuple(stream.packets), now)

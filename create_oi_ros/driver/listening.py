@@ -116,19 +116,19 @@ class Listening:
         """Start anew: the robot was away, takes commands, or cannot take them now."""
         self._streamed: tuple[int, ...] | None = None
         """The packets of the newest frame that answered no question."""
-        self._unseen_since: float | None = None
+        self.unseen_since: float | None = None
         """When the robot was asked for another list that no frame has shown yet."""
         self.doubt = Doubt.NONE
 
     def asked(self, packets: tuple[int, ...], now: float) -> None:
         """Note that the robot was asked for frames with these packets."""
-        if self._unseen_since is None and self._streamed not in (None, packets):
-            self._unseen_since = now
+        if self.unseen_since is None and self._streamed not in (None, packets):
+            self.unseen_since = now
 
     def seen(self, packets: tuple[int, ...]) -> None:
         """Note the packets of a frame; where they change, the robot took a command."""
         if packets != self._streamed:
-            self._streamed, self._unseen_since = packets, None
+            self._streamed, self.unseen_since = packets, None
 
     def check(self, missed_since: float | None, now: float) -> bool:
         """
@@ -137,7 +137,7 @@ class Listening:
         `missed_since`: when speeds were sent that the robot has not taken; None: it took all.
         """
         before = self.doubt
-        times = [since for since in (missed_since, self._unseen_since) if since is not None]
+        times = [since for since in (missed_since, self.unseen_since) if since is not None]
         if not times:
             self.doubt = Doubt.NONE
             self.open = self.open and not before

@@ -304,6 +304,7 @@ class Driver:
         self.core.handle(StateEvent.RETURNED if away else StateEvent.ANSWERED)
         wanted = self.status.wanted
         self.core.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
+        self.outputs.switch_drivers_off()
         self.songs.restore()
         self.modes.enter(now)
 
@@ -345,7 +346,8 @@ class Driver:
             self.core.notice(Severity.INFO, 'on the dock: odom goes on from dock_pose')
 
     def _send_again(self) -> None:
-        """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
+        """Send again what the robot may have missed: its list, speeds, songs, LEDs, outputs."""
+        self.plan.asked = None
         self.motion.resume()
         self.songs.restore()
         if self.status.actual in oi.ACTUATE:

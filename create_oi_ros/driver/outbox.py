@@ -16,6 +16,8 @@ from .. import oi
 
 MODE_COMMANDS = {oi.Mode.PASSIVE: oi.Start, oi.Mode.SAFE: oi.Safe, oi.Mode.FULL: oi.Full}
 HALT = oi.DriveDirect(right=0, left=0)
+DRIVERS_OFF = oi.PwmLowSideDrivers(driver_0=0, driver_1=0, driver_2=0)
+"""Low side drivers may turn motors: they are off whenever a robot was out of reach."""
 DRAIN = bytes(2 * HALT.opcode)
 """Ends any command that was cut short after a `HALT` (manual: "waiting" state).
 
@@ -29,8 +31,8 @@ The first `HALT` may be taken as that rest, even as a speed; then the second one
 docs/reliability.md shows what becomes of each command.
 """
 END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
-DEAD_MAN_STOP = b''.join((
-    HALT.encode(), oi.Start().encode(), DRAIN, HALT.encode(), oi.Start().encode()))
+REST = HALT.encode() + DRIVERS_OFF.encode() + oi.Start().encode()
+DEAD_MAN_STOP = REST + DRAIN + REST
 """Stops a robot whose driver has died, even in the middle of a command."""
 
 
@@ -38,7 +40,7 @@ def farewell(mode: oi.Mode | None, mode_on_exit: oi.Mode) -> list[oi.Command]:
     """Return the last commands of a driver that ends, to a robot in this mode."""
     demo = [END_DEMO] if mode is oi.Mode.PASSIVE else []
     return [
-        HALT, oi.PwmLowSideDrivers(driver_0=0, driver_1=0, driver_2=0), *demo,
+        HALT, DRIVERS_OFF, *demo,
         oi.PauseResumeStream(state=oi.StreamState.PAUSE), MODE_COMMANDS[mode_on_exit]()]
 
 

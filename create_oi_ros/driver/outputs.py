@@ -4,8 +4,8 @@
 LEDs, digital outputs, low side drivers and infrared: sent, and restored.
 
 The robot forgets its LEDs when the mode changes; it keeps the digital outputs. Both are restored.
-The low side drivers may turn motors, so they stay off. The robot reports none of these: replies
-say what was sent.
+The low side drivers may turn motors: they are switched off when a robot is found again. The robot
+reports none of these: replies say what was sent.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from .. import oi
 from ..oi.commands import DUTY
 from .core import Core
-from .outbox import Pending, refused
+from .outbox import DRIVERS_OFF, Pending, refused
 
 FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
@@ -25,6 +25,8 @@ class Outputs:
     def __init__(self, core: Core) -> None:
         self._core = core
         self._to_restore: dict[type[oi.Command], oi.Command] = {}
+        self._drivers_set = False
+        """Whether a low side driver was ever set."""
 
     def set_leds(self, leds: oi.Leds) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
@@ -56,9 +58,19 @@ class Outputs:
             if not 0 <= duty <= 1:
                 return refused(f'driver_{number} = {duty:g}; allowed: 0.0 (off) to 1.0 (on)')
         zero, one, two = (round(duty * FULL_DUTY) for duty in duties)
-        return self._core.request(
+        request = self._core.request(
             oi.PwmLowSideDrivers(driver_0=zero, driver_1=one, driver_2=two),
             f'low side drivers 0, 1, 2 sent: {zero}, {one}, {two} of {FULL_DUTY}')
+        if request.outcome is None:
+            self._drivers_set = True
+            self._to_restore.pop(oi.PwmLowSideDrivers, None)
+        return request
+
+    def switch_drivers_off(self) -> None:
+        """Switch the low side drivers off; in Passive the robot obeys that after its next mode."""
+        self._core.outbox.send(DRIVERS_OFF)
+        if self._drivers_set:
+            self._to_restore[oi.PwmLowSideDrivers] = DRIVERS_OFF
 
     def send_ir(self, character: int) -> Pending:
         """Send an infrared character, 0 to 255."""

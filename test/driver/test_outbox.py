@@ -91,7 +91,8 @@ STOP = bytes([145, 0, 0, 0, 0])
 
 def test_a_robot_is_stopped_twice_then_what_it_waits_for_is_ended_and_it_is_stopped_again():
     assert WAKE_UP == STOP + STOP + bytes(2 * 145) + STOP
-    assert DEAD_MAN_STOP == STOP + b'\x80' + bytes(2 * 145) + STOP + b'\x80'
+    rest = STOP + bytes([144, 0, 0, 0, 128])
+    assert DEAD_MAN_STOP == rest + bytes(2 * 145) + rest
     assert (HALT.encode(), END_DEMO.encode()) == (STOP, bytes([136, 255]))
 
 

@@ -2,14 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """What services ask of the driver, played against the simulated robot without a clock."""
 
+from collections.abc import Callable
 from math import nan
 
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Driver, Settings
-from create_oi_ros.driver.outbox import farewell, HALT
+from create_oi_ros.driver.outbox import DEAD_MAN_STOP, farewell, HALT
 from create_oi_ros.oi.tools.text import parse_script
+from create_oi_ros.sim.firmware.guesses import Guesses
 from support.asking import ask, in_mode, power_cycle
 from support.loop import Loop
 
@@ -173,12 +175,14 @@ def test_leds_and_outputs_are_restored_after_a_mode_change(loop, before, after):
     assert_restored(loop)
 
 
-def fall_silent(loop: Loop) -> None:
-    """Cut the line for a while."""
-    loop.cut = True
-    loop.run(2.0)
-    loop.cut = False
-    loop.run(2.0)
+def fall_silent(seconds: float) -> Callable[[Loop], None]:
+    """Return what cuts the line for a while."""
+    def happens(loop: Loop) -> None:
+        loop.cut = True
+        loop.run(seconds)
+        loop.cut = False
+        loop.run(2.0)
+    return happens
 
 
 def drop_a_wheel(loop: Loop) -> None:
@@ -190,13 +194,40 @@ def drop_a_wheel(loop: Loop) -> None:
     loop.drive(0.1, 0.0, 0.5)
 
 
-@pytest.mark.parametrize(('happens', 'duty'), [
-    (power_cycle, 0), (fall_silent, 128), (drop_a_wheel, 0)])
-def test_all_is_restored_but_drivers_that_the_robot_switched_off(loop, happens, duty):
+@pytest.mark.parametrize('happens', [
+    power_cycle, drop_a_wheel, *map(fall_silent, (0.7, 1.2, 2.5, 8.0))])
+def test_all_is_restored_but_low_side_drivers(loop, happens):
     set_everything(loop)
     happens(loop)
     assert_restored(loop)
-    assert tuple(loop.robot.actuators.duties) == (duty, 0, 0)
+    assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
+
+
+@pytest.mark.parametrize('wanted', [oi.Mode.PASSIVE, oi.Mode.SAFE])
+@pytest.mark.parametrize('seconds', [0.7, 3.0])
+def test_a_robot_that_is_found_stands_also_if_passive_leaves_its_drivers_on(wanted, seconds):
+    loop = Loop(Settings(mode_on_start=wanted))
+    loop.robot.guesses = Guesses(passive_ends_drivers=False)
+    loop.run(1.0)
+    loop.cut = True
+    loop.run(seconds)
+    loop.robot.receive(b''.join(each.encode() for each in (
+        oi.Full(), oi.PwmLowSideDrivers(driver_0=9, driver_1=128, driver_2=1))), loop.now)
+    loop.cut = False
+    loop.run(1.0 if seconds < 2 else 2.0)
+    assert loop.robot.mode is wanted
+    if wanted is oi.Mode.SAFE or seconds < 2:  # else Start comes first, after a long absence
+        assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
+
+
+@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
+def test_a_dead_man_switches_the_low_side_drivers_off(loop, mode):
+    loop.robot.guesses = Guesses(passive_ends_drivers=False)
+    in_mode(loop, mode)
+    set_everything(loop)
+    loop.robot.receive(DEAD_MAN_STOP, loop.now)
+    assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
 
 
 @pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.FULL])
