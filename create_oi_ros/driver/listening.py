@@ -68,7 +68,7 @@ class Listening:
         """Whether it was asked."""
         self._since = self._due = inf
         """From when on it is asked, and when it is asked next."""
-        self._stop_sent = False
+        self.stop_sent = False
         """Whether a stop was sent since it is open."""
         self.trust()
 
@@ -78,7 +78,7 @@ class Listening:
         """Open a question for one of some lists; `poll` asks it from `due` on."""
         self._list = next((each for each in lists if each not in (self._list, self._newest)),
                           self._list)
-        self.open, self._asked, self._stop_sent = True, False, False
+        self.open, self._asked, self.stop_sent = True, False, False
         self._since = self._due = due
 
     def ask(self) -> None:
@@ -93,11 +93,6 @@ class Listening:
             return False
         self.open = False
         return True
-
-    def admits_stop(self) -> bool:
-        """Tell whether a stop may be sent now: while a question is open, only the first."""
-        before, self._stop_sent = self._stop_sent, True
-        return not (self.open and before)
 
     def poll(self, now: float) -> None:
         """Ask the open question again, when it is time."""

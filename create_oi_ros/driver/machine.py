@@ -203,6 +203,7 @@ class Driver:
 
     def drive(self, linear: float, angular: float, now: float) -> None:
         """Follow a velocity, m/s and rad/s, until the next command or the timeout."""
+        self._connection.check_standstill(now)
         finite = self.motion.check_numbers(linear, angular)
         if self.state.pursues:
             if not (finite and self.core.limits.commands_interrupt and (linear or angular)):
@@ -215,11 +216,14 @@ class Driver:
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        if self.state.activity is not Activity.CLOSED and (
-                not self.state.answered or self.core.listening.admits_stop()):
+        listening = self.core.listening
+        vain = self.state.activity is Activity.CLOSED or (
+            self.state.answered and listening.open and listening.stop_sent)
+        if not vain:
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
+        listening.stop_sent = True
         if self.core.outbox.call_off_motion() and self.scripts.playing:
             self.core.listening.open = False
             self.plan.asked = None
