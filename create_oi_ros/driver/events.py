@@ -8,7 +8,7 @@ and notices; `Health` is all that is known at one moment, for diagnostics and st
 """
 
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import Enum, IntEnum
 from functools import cached_property
 from typing import NamedTuple
 
@@ -27,12 +27,27 @@ class LowBatteryAction(Enum):
     DOCK = 'dock'
 
 
-class BatteryLevel(Enum):
-    """State of the battery by its voltage."""
+class BatteryLevel(IntEnum):
+    """State of the battery by voltage and charge."""
 
-    FINE = 'fine'
-    LOW = 'low'
-    EMPTY = 'nearly empty'
+    FINE = 0
+    LOW = 1
+    EMPTY = 2
+
+    @property
+    def text(self) -> str:
+        """The level, for people."""
+        return ('fine', 'low', 'nearly empty')[self]
+
+
+class Charging(Enum):
+    """What a charger does; the value is the text for people."""
+
+    NO_CHARGER = 'is on no charger'
+    CHARGES = 'charges'
+    FULL = 'is full'
+    FAILS = 'does not charge'
+    UNKNOWN = 'may charge'
 
 
 @dataclass(frozen=True)
@@ -74,6 +89,8 @@ class Settings:
     """V of the whole battery below which it is low."""
     battery_empty: float = 12.5
     """V below which it is nearly empty."""
+    charge_known: bool = True
+    """Whether packets 25 and 26 tell the charge; not with the alkaline pack."""
     low_battery_action: LowBatteryAction = LowBatteryAction.NONE
     """What to do then."""
     limits: MotionLimits = field(default_factory=MotionLimits)
@@ -225,5 +242,6 @@ class Health:
     gyro: GyroState | None
     """What is thought of the gyro; None: there is none."""
     battery: BatteryLevel
+    charging: Charging
     songs: tuple[int, ...]
     """Numbers of the songs that are stored."""

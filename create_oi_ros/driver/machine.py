@@ -17,7 +17,7 @@ from math import inf, isfinite
 
 from .. import oi
 from ..odometry import Odometry
-from .battery import BatteryGuard, ChargeWatch
+from .battery import Battery, charging
 from .connection import Connection
 from .core import Core
 from .events import (
@@ -67,8 +67,7 @@ class Driver:
         self.scripts = ScriptControl(core, self.plan)
         self._tracking = Tracking(core, self.scripts, odometry)
         self.goals = GoalControl(core, self.motion, self.modes, self._tracking)
-        self._battery = BatteryGuard(core, self.modes)
-        self._charging = ChargeWatch(core)
+        self._battery = Battery(core, self.modes)
         self._on_dock = False
         """Whether the robot was on its dock, and no goal drove it, when that was checked last."""
         self._unchecked: deque[Moved] = deque()
@@ -197,7 +196,8 @@ class Driver:
             ignores_commands=self.core.listening.ignores,
             suspects_commands=bool(self.core.listening.doubt),
             robot=self._tracking.robot, gyro=self._tracking.gyro,
-            battery=self._battery.level, songs=tuple(sorted(self.songs.defined)))
+            battery=self._battery.level, charging=charging(readings),
+            songs=tuple(sorted(self.songs.defined)))
 
     # What is requested.
 
@@ -341,7 +341,6 @@ class Driver:
     def _check_slow(self, readings: oi.Readings, now: float) -> None:
         """Check what changes within seconds: battery, dock, what is known of the robot."""
         self._battery.observe(readings, now)
-        self._charging.observe(readings, now)
         self._tracking.report_robot(now)
         was_on_dock, pose = self._on_dock, self.settings.dock_pose
         self._on_dock = docked(readings) and self.state.activity is not Activity.GOAL

@@ -9,7 +9,7 @@ by `empty...`; a function returns the values of its fields that change, by their
 
 from collections.abc import Callable
 from enum import IntFlag
-from math import atan2, cos, nan, remainder, sin, tau
+from math import atan2, cos, isnan, nan, remainder, sin, tau
 from typing import Any
 
 from builtin_interfaces.msg import Duration, Time
@@ -22,11 +22,11 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from .. import oi
-from ..driver import ModeStatus
+from ..driver import battery, Charging, ModeStatus
 from ..driver.events import NO_ROBOT
 from ..odometry import Estimate
 from ..oi import ChargingState, Infrared, Readings
-from ..robot import MILLI, MOST_CHARGE
+from ..robot import MILLI
 
 NANOSECONDS = 1_000_000_000
 NOT_MEASURED = 1e6
@@ -151,15 +151,14 @@ def cliff(readings: Readings) -> Values:
            for side in ('left', 'front_left', 'front_right', 'right')}}
 
 
-CHARGING: dict[ChargingState | None, int] = {
-    None: BatteryState.POWER_SUPPLY_STATUS_UNKNOWN,
-    ChargingState.RECONDITIONING: BatteryState.POWER_SUPPLY_STATUS_CHARGING,
-    ChargingState.FULL_CHARGING: BatteryState.POWER_SUPPLY_STATUS_CHARGING,
-    ChargingState.TRICKLE: BatteryState.POWER_SUPPLY_STATUS_FULL,
-    ChargingState.WAITING: BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING,
-    ChargingState.FAULT: BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING,
+CHARGING = {
+    Charging.NO_CHARGER: BatteryState.POWER_SUPPLY_STATUS_DISCHARGING,
+    Charging.CHARGES: BatteryState.POWER_SUPPLY_STATUS_CHARGING,
+    Charging.FULL: BatteryState.POWER_SUPPLY_STATUS_FULL,
+    Charging.FAILS: BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING,
+    Charging.UNKNOWN: BatteryState.POWER_SUPPLY_STATUS_UNKNOWN,
 }
-"""Power supply status of a charging state; any other state is discharging."""
+"""Power supply status of what a charger does."""
 
 
 def battery_state(readings: Readings, *, charge_known: bool = True) -> Values:
@@ -169,16 +168,11 @@ def battery_state(readings: Readings, *, charge_known: bool = True) -> Values:
     The charge of the alkaline pack is not known (manual: Battery Charge). Real robots may report
     a charge a little above the capacity, and a capacity of 0; far above, the charge is not known.
     """
-    status = CHARGING.get(readings.charging_state, BatteryState.POWER_SUPPLY_STATUS_DISCHARGING)
-    if readings.charging_state == ChargingState.NOT_CHARGING and readings.charging_sources:
-        status = BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING
     faulty = readings.charging_state == ChargingState.FAULT
-    charge, capacity = nan, nan
-    if charge_known and readings.battery_capacity:
-        charge = _milli(readings.battery_charge)
-        capacity = readings.battery_capacity * MILLI
-        if charge > MOST_CHARGE * capacity:
-            charge = nan
+    fraction = battery.charge_fraction(readings) if charge_known else nan
+    charge = nan if isnan(fraction) else _milli(readings.battery_charge)
+    capacity = readings.battery_capacity * MILLI if (
+        charge_known and readings.battery_capacity) else nan
     health = (BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if faulty
               else BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN)
     technology = (BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
@@ -188,7 +182,8 @@ def battery_state(readings: Readings, *, charge_known: bool = True) -> Values:
         'present': True, 'voltage': _milli(readings.voltage), 'current': _milli(readings.current),
         'temperature': nan if degrees is None else float(degrees),
         'charge': charge, 'capacity': capacity, 'design_capacity': nan,
-        'percentage': min(charge / capacity, 1.0), 'power_supply_status': status,
+        'percentage': fraction,
+        'power_supply_status': CHARGING[battery.charging(readings)],
         'power_supply_health': health, 'power_supply_technology': technology}
 
 

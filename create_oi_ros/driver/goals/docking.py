@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 from ... import oi
 from ...oi.codes import BEAMS
-from ..battery import charges
-from ..events import Cause
+from ..battery import charges, charging
+from ..events import Cause, Charging
 from ..mode import docked
 from ..motion import Velocity
 from .goal import (
@@ -85,14 +85,13 @@ class Dock(Goal):
                 yield Enter(oi.Mode.PASSIVE)
                 continue
             seconds += self.view.dt
+            does = charging(readings)
             if charges(readings):
-                full = readings.charging_state in (
-                    oi.ChargingState.TRICKLE, oi.ChargingState.WAITING)
-                yield Over(Code.NONE, f'docked; the battery {"is full" if full else "charges"}')
+                yield Over(Code.NONE, f'docked; the battery {does.value}')
             if seconds > CHARGE_WAIT:
-                unknown = readings.charging_state is None
-                yield Over(Code.NONE, 'docked; whether the battery charges is not known' if unknown
-                           else 'docked, but the battery does not charge: see the log')
+                yield Over(Code.NONE, f'docked, but the battery {does.value}: see the log'
+                           if does is Charging.FAILS else
+                           'docked; whether the battery charges is not known')
             yield Instruction.GO_ON
 
     def timed_out(self) -> Over:
