@@ -35,6 +35,10 @@ GARBAGE_LIMIT = 64
 """Bytes without a frame after which something else must be on the line."""
 CALLS_BEFORE_NOTICE = 3
 """Calls without an answer before the user is told; a robot that boots misses one or two."""
+BOOT_TEXTS = b'bl-start', b'RDK by iRobot'
+"""What a Create says while it starts (reported)."""
+RESTARTS = ('the robot restarts, by its boot text: it was switched on or reset, or its battery '
+            'gave way for a moment')
 WAKE_UP_FIRST, WAKE_UP_EVERY = 3, 10
 """Calls of a robot that has fallen silent among which these end a command that was cut short: the
 others leave room in the queue of a robot that only waits."""
@@ -78,6 +82,8 @@ class Connection:
         self._stale_until = -inf
         self._garbage_before = 0
         """Bytes of garbage that had come when the last frame did."""
+        self._restarts = False
+        """Whether boot text came since the last frame."""
         self._unanswered: str | None = None
         """What the user was told of a robot that does not answer; None before."""
         self._too_few: str | None = None
@@ -155,7 +161,7 @@ class Connection:
 
     def add_frame(self, packets: oi.PacketList, now: float) -> None:
         """Note a verified frame."""
-        self.frame_at = now
+        self.frame_at, self._restarts = now, False
         self._garbage_before = self._core.counts.garbage_bytes
         self._core.listening.seen(packets.ids)
         if self._core.state.takes_commands:
@@ -166,6 +172,7 @@ class Connection:
     def add_garbage(self, garbage: bytes) -> None:
         """Note bytes that are no frame."""
         self._core.counts.garbage_bytes += len(garbage)
+        self._restarts |= any(text in garbage for text in BOOT_TEXTS)
         self._garbage += garbage[:GARBAGE_LIMIT - len(self._garbage)]
 
     def _count_frames(self, now: float) -> None:
@@ -214,28 +221,32 @@ class Connection:
         answered = self._core.state.answered
         if now - self.frame_at <= (SILENCE if answered else self._call_interval):
             return
+        rest = self.reader.flush()
+        if rest is not None:
+            self.add_garbage(rest.data)
         if answered:
             self._core.counts.silences += 1
             self._restart_calls()
             garbage = self._core.counts.garbage_bytes - self._garbage_before
             why = 'the robot is off, asleep or unplugged'
-            if now < self._ask_again_at:
+            if self._restarts:
+                why = RESTARTS
+            elif now < self._ask_again_at:
                 why = IGNORES  # it answered a question, but has sent no list that it was asked for
             elif garbage > self.plan.full.frame_size:
                 why = (f'{garbage} bytes came, but no frame among them: is the line disturbed, or '
                        'the robot at another baud rate')
             self._unanswered = f'no frame for {SILENCE} s: {why}; calling it until it answers'
             self._core.notice(Severity.ERROR, self._unanswered)
-        rest = self.reader.flush()
-        if rest is not None:
-            self._garbage += rest.data[:GARBAGE_LIMIT - len(self._garbage)]
-        if self._calls == CALLS_BEFORE_NOTICE:
+        elif self._calls == CALLS_BEFORE_NOTICE and not (self._restarts and self._unanswered):
             self._unanswered = self._no_answer()
             self._core.notice(Severity.ERROR, self._unanswered)
         self._call(now, StateEvent.NO_ANSWER)
 
     def _no_answer(self) -> str:
         """Say what may be wrong, after some calls without an answer."""
+        if self._restarts:
+            return f'{RESTARTS}; calling it until it answers'
         at = TRIED if self._searching else str(self.baud)
         if len(self._garbage) == GARBAGE_LIMIT:
             shown = ' '.join(str(byte) for byte in self._garbage[:12])

@@ -144,6 +144,51 @@ def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off():
     assert said(loop, Severity.ERROR, 'but no frame among them') == 1
 
 
+def reset(loop: Loop) -> None:
+    """Restart the robot by the opcode that the manual does not have."""
+    loop.robot.receive(b'\x07', loop.now)
+
+
+def brown_out(loop: Loop) -> None:
+    """Let the battery give way for a moment."""
+    loop.robot.lose_battery(loop.now)
+
+
+def switch_on_late(loop: Loop) -> None:
+    """Switch a robot on that has not answered for a while."""
+    loop.robot.power(False, loop.now)
+    loop.run(0.3)
+    loop.robot.power(True, loop.now)
+
+
+@pytest.mark.parametrize('baud', [0, 57600])
+@pytest.mark.parametrize('happens', [reset, brown_out, switch_on_late])
+@pytest.mark.parametrize('met', [True, False])
+def test_a_robot_that_restarts_is_said_to_and_is_no_other_device(happens, baud, met):
+    loop = Loop(Settings(baud=baud), robot_baud=57600)
+    if met:
+        loop.run(1.0)
+        loop.drive(0.2, 0.0, 0.5)
+    happens(loop)
+    loop.run(1.2)
+    assert said(loop, Severity.ERROR, 'the robot restarts, by its boot text: it was switched') == 1
+    assert 'the robot restarts' in loop.driver.health(loop.now).line_problem
+    loop.run(5.0)
+    assert not said(loop, Severity.ERROR, 'not like a Create')
+    assert not said(loop, Severity.ERROR, 'no answer at')
+    assert len(texts(loop.notices, Severity.ERROR)) == 1
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+def test_a_robot_that_has_restarted_may_be_silent_later():
+    loop = Loop()
+    brown_out(loop)
+    loop.run(6.0)
+    loop.cut = True
+    loop.run(0.6)
+    assert 'the robot is off, asleep or unplugged' in texts(loop.notices, Severity.ERROR)[-1]
+
+
 @pytest.mark.parametrize('opened', range(1, 1 + len(QUESTIONS)))
 @pytest.mark.parametrize('robot_baud', RATES)
 def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(robot_baud, opened):
