@@ -338,6 +338,7 @@ SEPARATION = FIRMWARE_SEPARATION * MM_PER_M
     ('Drive Direct right=-1 left=0; Wait Distance distance=9', 2, 'drives backwards'),
     ('Drive velocity=200 radius=straight; Wait Time time=5; Start; Wait Distance distance=9',
      4, 'the wheels stand'),
+    ('Cover; Demo demo=abort; Wait Distance distance=9', 3, 'the wheels stand'),
 ])
 def test_a_wait_that_the_motion_does_not_lead_to_never_ends(text, place, why):
     found = endless_wait(parse_script(text), oi.Mode.SAFE, SEPARATION)
@@ -362,7 +363,9 @@ def test_how_long_a_script_takes(text, seconds):
 
 
 @pytest.mark.parametrize('text', [
-    'Wait Event event=bump', 'Wait Time time=1; Play Script', 'Demo demo=cover'])
+    'Wait Event event=bump', 'Wait Time time=1; Play Script', 'Demo demo=cover', *(
+        f'{demo}; Wait {wait}' for demo in ('Cover', 'Cover and Dock', 'Spot', 'Demo demo=mouse')
+        for wait in ('Distance distance=500', 'Angle angle=-40', 'Time time=50'))])
 def test_nobody_knows_how_long_an_event_a_demo_or_a_loop_takes(text):
     script = parse_script(text)
     assert endless_wait(script, oi.Mode.SAFE, SEPARATION) is None
