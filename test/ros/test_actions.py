@@ -203,7 +203,7 @@ def test_the_robot_drives_to_a_place_that_is_published(start):
     (NavigateToPosition, 'navigate_to_position',
      {'goal_pose': PoseStamped(header=Header(frame_id='map'))},
      "goal_pose is in frame 'map'; allowed: 'odom'"),
-    (*TUNE, {'notes': 'C4:9'}, "'C4:9' lasts 9 s; allowed: 1/64 to 255/64 s"),
+    (*TUNE, {'notes': 'C4:99'}, "'C4:99' lasts 99 s; allowed: 1/64 to 60 s"),
     (*TUNE, {'notes': ''}, 'a tune needs a note, such as C4:1/4'),
     (*TUNE, {'notes': 'C4:1', 'iterations': 0}, 'iterations = 0; allowed: above 0, or -1'),
 ], ids=lambda value: value if isinstance(value, str) else '')
