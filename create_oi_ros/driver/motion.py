@@ -31,8 +31,9 @@ BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
 ENDED_BY_PAUSE = (Activity.HOLDING, Activity.DRIVING)
 """Activities that end when no command comes for the timeout."""
 AWAY = 'the robot was away, or in another mode, while commands went on'
-MIN_SENSIBLE_SPEED = 1e-6
-"""Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0."""
+MIN_SENSIBLE_SPEED = 1e-300
+"""Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0: the bits of a
+whole 1 are 5e-324. What senders round is larger."""
 
 
 class Velocity(NamedTuple):
@@ -85,7 +86,7 @@ def rounded(speeds: WheelSpeeds) -> tuple[int, int]:
     Return whole mm/s for right and left wheel, such that the robot turns as it should.
 
     Their difference is rounded first (0.5 mm/s off at most), then their mean. Wheels that turn in
-    place stay symmetric, so that it does not creep.
+    place stay symmetric, so that it does not creep (their difference is 1 mm/s off at most).
     """
     mean, difference = (speeds.right + speeds.left) / 2, speeds.right - speeds.left
     if abs(mean) < IN_PLACE:

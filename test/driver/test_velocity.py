@@ -46,9 +46,9 @@ def test_the_wheels_stop_when_commands_stop(at_once):
     assert drives(loop) == [oi.DriveDirect(right=0, left=0)]
 
 
-@pytest.mark.parametrize('velocity', [(5e-324, 0.0), (0.1, -9e-7)])
-def test_a_speed_that_is_next_to_nothing_is_hinted_at_once(loop, velocity):
-    for sent in ((0.2, 0.0), (0.0, 1e-6), velocity, velocity):
+@pytest.mark.parametrize('velocity', [(5e-324, 0.0), (0.1, -9e-301)])
+def test_a_speed_that_is_a_whole_number_by_mistake_is_hinted_at_once(loop, velocity):
+    for sent in ((0.2, 0.0), (0.0, 5.55e-17), (-1e-6, 1.1e-300), velocity, velocity):
         loop.driver.drive(*sent, loop.now)
     loop.run(0.05)
     hint, = texts(loop.notices, Severity.WARNING)
