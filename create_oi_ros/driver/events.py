@@ -84,7 +84,7 @@ class Settings:
     reset_when_not_charging: bool = False
     """Whether a robot that does not charge on its dock is restarted."""
     odometry_window: float = 1.0
-    """Seconds between readings of distance and angle; 0 reads them in every frame."""
+    """Seconds, about, between readings of distance and angle."""
     battery_low: float = 13.5
     """V of the whole battery below which it is low."""
     battery_empty: float = 12.5

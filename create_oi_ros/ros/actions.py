@@ -307,7 +307,7 @@ class Actions:
             return
         with self._session.request() as (driver, now):
             driver.goals.start(goal, now)
-        goal.then(lambda outcome: log.info(f'{GOAL_POSE}: {outcome.text}'))
+            goal.then(lambda outcome: log.info(f'{GOAL_POSE}: {outcome.text}'))
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         for each in self._pursued:
