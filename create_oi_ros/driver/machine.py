@@ -20,15 +20,7 @@ from ..odometry import Odometry
 from .battery import Battery, charging
 from .connection import Connection
 from .core import Core
-from .events import (
-    DriverEvent,
-    Health,
-    ModeStatus,
-    MotionLimits,
-    Moved,
-    Settings,
-    Severity,
-)
+from .events import DriverEvent, Health, ModeStatus, MotionLimits, Moved, Settings, Severity
 from .goal_control import COMMANDED, GoalControl
 from .listening import QUESTIONS
 from .mode import causes_in, docked, Modes

@@ -18,14 +18,7 @@ from math import inf
 
 from .. import oi
 from ..oi.commands import wheel_speeds
-from ..oi.script import (
-    can_end,
-    commands_of,
-    duration,
-    endless_wait,
-    open_waits,
-    SCRIPT_LIMIT,
-)
+from ..oi.script import can_end, commands_of, duration, endless_wait, open_waits, SCRIPT_LIMIT
 from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .core import Core

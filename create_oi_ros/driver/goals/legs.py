@@ -15,20 +15,7 @@ each stop. Where a stop left it short or too far, the robot creeps on, or back.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from math import (
-    atan2,
-    copysign,
-    cos,
-    degrees,
-    hypot,
-    inf,
-    pi,
-    radians,
-    remainder,
-    sin,
-    sqrt,
-    tau,
-)
+from math import atan2, copysign, cos, degrees, hypot, inf, pi, radians, remainder, sin, sqrt, tau
 from typing import NamedTuple
 
 from ...odometry import Estimate
