@@ -79,7 +79,8 @@ class Connection:
         """From when on a frame that answers no question shows a robot that missed a request."""
         self._ran_at = inf
         """When the driver was called last; in no past before the port is open."""
-        self._stale_until = -inf
+        self.stale_until = -inf
+        """Until when bytes that arrive are too old to be used."""
         self._garbage_before = 0
         """Bytes of garbage that had come when the last frame did."""
         self._restarts = False
@@ -129,13 +130,6 @@ class Connection:
         self._counted_from = None
 
     # What arrives.
-
-    def feed(self, data: bytes, now: float) -> bool:
-        """Take bytes in; False where they are too old to be used."""
-        if now < self._stale_until:
-            return False
-        self.reader.feed(data)
-        return True
 
     def take_answer(self, packets: oi.PacketList, now: float) -> bool:
         """
@@ -272,8 +266,8 @@ class Connection:
         self._unanswered = None
         self._core.handle(StateEvent.NO_ANSWER)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
-        self._stale_until = now + STALE_BYTES_FOR
-        self.frame_at = self._stale_until - self._call_interval
+        self.stale_until = now + STALE_BYTES_FOR
+        self.frame_at = self.stale_until - self._call_interval
 
     def _call(self, now: float, event: StateEvent) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""

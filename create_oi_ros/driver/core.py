@@ -77,8 +77,8 @@ class Core:
         if status.actual in command.modes or (
                 status.unknown and command in MODE_COMMANDS.values()):
             return None
-        why = f' ({status.reason})' if status.unknown else ''
-        return f'robot is in {status.name}{why}: call set_mode with SAFE first'
+        mode = status.described if status.unknown else status.name
+        return f'robot is in {mode}: call set_mode with SAFE first'
 
     def request(self, command: oi.Command, done: str) -> Pending:
         """Send a command, or refuse it; the outcome's text is `done` once it is written."""

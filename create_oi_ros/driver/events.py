@@ -160,6 +160,11 @@ class ModeStatus:
         """The name of the mode, for people."""
         return 'no known mode' if self.actual is None else self.actual.name
 
+    @property
+    def described(self) -> str:
+        """The name of the mode, and why the robot is in it, for people."""
+        return f'{self.name} ({self.reason})' if self.reason else self.name
+
 
 class Severity(Enum):
     """How serious a notice is."""

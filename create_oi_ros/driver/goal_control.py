@@ -206,7 +206,7 @@ class GoalControl:
             return
         self._core.outbox.send_at_once(HALT, now)
         if over.code is Code.NONE:
-            self._modes.keep()
+            self._modes.want(self._core.status.wanted)  # and no longer that from before
         elif self._core.state.activity is Activity.DOCKING:
             self._core.outbox.send_at_once(END_DEMO, now)
         self._end(self._goal, over)

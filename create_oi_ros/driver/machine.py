@@ -113,9 +113,10 @@ class Driver:
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
         self._connection.check_standstill(now)
-        if not self._connection.feed(data, now):
-            return
         reader = self._connection.reader
+        if now < self._connection.stale_until:
+            return
+        reader.feed(data)
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.Frame):
                 self._take_frame(event, now)
@@ -200,7 +201,7 @@ class Driver:
         if self.state.pursues:
             if not (finite and self.core.limits.commands_interrupt and (linear or angular)):
                 return
-            borrowed = self.modes.borrowed
+            borrowed = self.modes.own is not self.status.wanted
             self.goals.finish(COMMANDED, now)
             if borrowed:
                 return  # the robot first has to enter its mode

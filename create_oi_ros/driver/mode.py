@@ -97,20 +97,11 @@ class Modes:
         """The mode that somebody asked for, whatever a goal wants meanwhile."""
         return self._core.status.wanted if self._before_goal is None else self._before_goal
 
-    @property
-    def borrowed(self) -> bool:
-        """Whether a goal wants another mode than its own."""
-        return self._before_goal is not None
-
     def borrow(self, mode: oi.Mode) -> None:
         """Want a mode for the goal that runs."""
         own = self.own
         self.want(mode)
         self._before_goal = None if own is mode else own
-
-    def keep(self) -> None:
-        """Leave the robot in the mode of a goal that has succeeded."""
-        self._before_goal = None
 
     def give_back(self, *, enter: bool) -> None:
         """Want the mode from before a goal again, if it wanted another; perhaps enter it now."""
@@ -254,25 +245,23 @@ class Modes:
     def fail(self, why: str = '') -> None:
         """End the request for a mode, if one waits; by default say what the robot does instead."""
         status, attempt = self._core.status, self._attempt
-        reason = f' ({status.reason})' if status.reason else ''
-        does, needs = f'stays in {status.name}', (
+        does, needs = f'stays in {status.described}', (
             'in SAFE it needs all wheels down, no cliff under it and no charger plugged in')
         if status.actual is None and not status.unknown:
-            does, needs = 'does not answer', 'check cable and power, the driver keeps trying'
+            does = f'does not answer ({status.reason})'
+            needs = 'check cable and power, the driver keeps trying'
         elif docked(self._core.readings) or status.unknown:
             needs = self.advice()
-        attempt.request.end(False, why or (
-            f'robot {does}{reason} instead of entering {attempt.mode.name}: {needs}'))
+        attempt.request.end(
+            False, why or f'robot {does} instead of entering {attempt.mode.name}: {needs}')
 
     # In words.
 
     def wrong_mode(self) -> str:
         """Say in which mode the robot is that is told to drive and does not."""
         status = self._core.status
-        if status.can_drive:
-            return f'robot is to enter {status.wanted.name}'
-        why = f' ({status.reason})' if status.reason else ''
-        return f'robot is in {status.name}{why}'
+        return (f'robot is to enter {status.wanted.name}' if status.can_drive else
+                f'robot is in {status.described}')
 
     def advice(self, again: str = PAUSE) -> str:
         """Say how a robot that is in no mode to drive is brought to drive."""

@@ -76,9 +76,7 @@ class Songs:
         self._number = SONGS
         """Number of the song that was sent to play."""
 
-    def define(
-        self, number: int, pitches: Sequence[int], seconds: Sequence[float],
-    ) -> Pending:
+    def define(self, number: int, pitches: Sequence[int], seconds: Sequence[float]) -> Pending:
         """Store a song: MIDI numbers, and durations in seconds, rounded to 1/64 s."""
         try:
             song = _song(number, pitches, seconds)
@@ -94,12 +92,9 @@ class Songs:
     ) -> Pending:
         """Store a song and play it; nothing is stored where it could not be played."""
         why = self._cannot_play()
-        if why is not None:
-            return refused(why)
-        stored = self.define(number, pitches, seconds)
-        if stored.outcome is not None:
-            return stored
-        return self.play(number, now, f'{_sent(number, seconds)}; ')
+        stored = self.define(number, pitches, seconds) if why is None else refused(why)
+        return stored if stored.outcome is not None else (
+            self.play(number, now, f'{_sent(number, seconds)}; '))
 
     def play(self, number: int, now: float, stored: str = '') -> Pending:
         """
