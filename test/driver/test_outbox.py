@@ -80,9 +80,6 @@ def test_a_rest_goes_with_the_command_that_needs_it() -> None:
     assert released(outbox, 9.0) == OFF.encode() + oi.Safe().encode()
 
 
-# Who waits for an outcome.
-
-
 # What stops a robot.
 
 
