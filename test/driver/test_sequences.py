@@ -119,6 +119,8 @@ class WatchedLoop(Loop):
         self._check_goals()
         self._check_wheels()
         self._check_frames()
+        assert self.driver.state.pursues or self.driver.modes.own is self.driver.status.wanted, (
+            'the mode of a goal that has ended is still wanted')
         assert len(self.driver.core.outbox._queue) < QUEUE
 
     def _check_goals(self) -> None:
