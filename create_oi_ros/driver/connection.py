@@ -35,6 +35,8 @@ GARBAGE_LIMIT = 64
 """Bytes without a frame after which something else must be on the line."""
 CALLS_BEFORE_NOTICE = 3
 """Calls without an answer before the user is told; a robot that boots misses one or two."""
+CALLS_OF_RESTART = 14
+"""Calls after which a robot that has said that it restarts should have answered."""
 BOOT_TEXTS = b'bl-start', b'RDK by iRobot'
 """What a Create says while it starts (reported)."""
 RESTARTS = ('the robot restarts, by its boot text: it was switched on or reset, or its battery '
@@ -166,7 +168,8 @@ class Connection:
     def add_garbage(self, garbage: bytes) -> None:
         """Note bytes that are no frame."""
         self._core.counts.garbage_bytes += len(garbage)
-        self._restarts |= any(text in garbage for text in BOOT_TEXTS)
+        if any(text in garbage for text in BOOT_TEXTS):
+            self._restarts, garbage = True, b''
         self._garbage += garbage[:GARBAGE_LIMIT - len(self._garbage)]
 
     def _count_frames(self, now: float) -> None:
@@ -232,7 +235,9 @@ class Connection:
                        'the robot at another baud rate')
             self._unanswered = f'no frame for {SILENCE} s: {why}; calling it until it answers'
             self._core.notice(Severity.ERROR, self._unanswered)
-        elif self._calls == CALLS_BEFORE_NOTICE and not (self._restarts and self._unanswered):
+        elif self._calls == (
+                CALLS_OF_RESTART if self._restarts and self._unanswered else CALLS_BEFORE_NOTICE):
+            self._restarts = self._restarts and self._unanswered is None
             self._unanswered = self._no_answer()
             self._core.notice(Severity.ERROR, self._unanswered)
         self._call(now, StateEvent.NO_ANSWER)

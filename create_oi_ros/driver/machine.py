@@ -85,7 +85,7 @@ class Driver:
                     self.goals.taken_over(event)
                 case Then.GIVE_BACK | Then.RESTORE:
                     self.modes.give_back(enter=then is Then.RESTORE)
-                case Then.WARN:
+                case _:  # WARN
                     self.motion.warn_again()
 
     def _forget(self) -> None:

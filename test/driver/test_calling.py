@@ -180,6 +180,19 @@ def test_a_robot_that_restarts_is_said_to_and_is_no_other_device(happens, baud, 
     assert loop.robot.mode is oi.Mode.SAFE
 
 
+@pytest.mark.parametrize('met', [True, False])
+def test_a_robot_that_restarts_and_does_not_answer_is_told_of_after_all(met):
+    loop = Loop()
+    loop.run(1.0 if met else 0.0)
+    reset(loop) if met else brown_out(loop)
+    loop.run(0.8)
+    loop.cut = True
+    loop.run(9.0)
+    told = texts(loop.notices, Severity.ERROR)
+    assert len(told) == 2 and 'the robot restarts' in told[0]
+    assert told[1].startswith('no answer at 57600 baud')
+
+
 def test_a_robot_that_has_restarted_may_be_silent_later():
     loop = Loop()
     brown_out(loop)

@@ -235,6 +235,14 @@ def test_the_charge_of_an_alkaline_pack_says_nothing():
     assert loop.driver.health(loop.now).battery is BatteryLevel.EMPTY
 
 
+def test_a_charge_is_judged_where_the_voltage_is_not_known():
+    loop = Loop(config=DEFAULT_BODY)
+    loop.forged = {'voltage': 65535, 'battery_charge': 100}
+    loop.run(3.0)
+    assert loop.driver.health(loop.now).battery is BatteryLevel.EMPTY
+    assert said(loop, Severity.WARNING, 'battery nearly empty (charge 4%): charge it') == 1
+
+
 def test_a_charge_at_its_limit_is_told_of_once():
     loop = Loop(config=replace(DEFAULT_BODY))
     loop.run(1.0)

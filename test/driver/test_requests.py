@@ -31,6 +31,12 @@ def test_a_duty_cycle_out_of_range_is_refused(loop, duty):
     assert loop.commands() == []
 
 
+def test_low_side_drivers_are_refused_in_passive(loop):
+    in_mode(loop, oi.Mode.PASSIVE)
+    answer = ask(loop, loop.driver.outputs.set_drivers, (1.0, 0.0, 0.0))
+    assert not answer.ok and 'call set_mode with SAFE first' in answer.text
+
+
 def test_rounding_is_told(loop):
     answer = ask(loop, loop.driver.songs.define, 0, [60, 60], [0.1, 0.001])
     assert answer.ok
