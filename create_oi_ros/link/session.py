@@ -36,10 +36,6 @@ CLOCK = getattr(time, 'CLOCK_BOOTTIME', time.CLOCK_MONOTONIC)
 """The driver's clock: `time.monotonic` stands still on Linux while the computer sleeps."""
 
 
-def seconds() -> float:
-    return time.clock_gettime(CLOCK)
-
-
 class Session:
     """Keeps a driver connected until it is closed."""
 
@@ -48,7 +44,7 @@ class Session:
         on_failure: Callable[[], None], dead_man: bool = False,
         record: Callable[[RecordKind, bytes | str], None] | None = None,
         open_port: Callable[..., Port] = Port,
-        clock: Callable[[], float] = seconds,
+        clock: Callable[[], float] | None = None,
     ) -> None:
         """
         Prepare a session; `start` begins it.
@@ -58,7 +54,7 @@ class Session:
         in the thread that used the driver; in the session's own, its traceback is printed.
         With `dead_man`, a process of its own stops the robot when this one dies. `record` is
         called with all that passes, as `Capture.add`. `open_port` takes what `Port` takes.
-        `clock` returns seconds, also those in which the computer slept.
+        `clock` returns seconds; by default that of `CLOCK` does.
         """
         self.driver = driver
         self.url = url
@@ -67,7 +63,7 @@ class Session:
         self._wants_dead_man = dead_man
         self._record = record or (lambda kind, content: None)
         self._open_port = open_port
-        self._clock = clock
+        self._clock = clock or (lambda: time.clock_gettime(CLOCK))
         self._lock = threading.RLock()
         self.port: Port | None = None
         """The open port; None while there is none. Use it only within a `request`."""

@@ -54,7 +54,7 @@ class ScriptedPort:
 
 def session_on(
     open_port: Callable[..., ScriptedPort], record: Callable[..., None] | None = None, *,
-    clock: Callable[[], float] = time.monotonic, **settings,
+    clock: Callable[[], float] | None = None, **settings,
 ) -> tuple[Session, list[str]]:
     """Return a session that is not started, and what it says."""
     texts: list[str] = []
