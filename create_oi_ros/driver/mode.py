@@ -5,8 +5,9 @@ The wanted mode and the actual one: why the robot left it, and how it gets into 
 
 In Safe mode the robot itself falls to Passive on a cliff, a wheel drop or a powered charger
 (manual: Safe Mode). The driver notices, names the cause, and enters the wanted mode: on request,
-when the robot missed the command, and when a fresh velocity comes after the hazard is gone. The
-robot's demos are here, too: it plays them in Passive, where it follows no velocity.
+when the robot missed the command, and when a fresh velocity comes after the hazard is gone. A goal
+only borrows a mode: that from before is wanted again when it ends, unless somebody has asked for
+another. The robot's demos are here, too: it plays them in Passive, where it follows no velocity.
 """
 
 from math import inf
