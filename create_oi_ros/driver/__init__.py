@@ -5,6 +5,7 @@
 from .events import (
     BatteryLevel,
     Cause,
+    Charging,
     DriverEvent,
     Health,
     LinkCounts,

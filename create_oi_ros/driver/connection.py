@@ -6,147 +6,44 @@ Finds the robot on an open port, and notices when the line stops carrying what i
 The driver calls until frames come, and calls again when they stop, when the process itself stood
 still, or when the port was opened again. The robot may be off, in the middle of a command that
 another program left unfinished, driving, or at another baud rate (that of Baud holds until power
-is cycled). At a rate that is too slow for the stream, the search tells it to change to the usual
-one.
+is cycled).
 """
 
-from collections.abc import Iterator
-from itertools import chain, cycle
+from itertools import cycle
 from math import inf
 
 from .. import oi
-from ..oi.codes import START_BAUDS
+from ..oi.codes import FAST_BAUD, START_BAUDS
 from ..robot import MILLI, SLOT
 from .core import Core
-from .events import LinkCounts, Severity
+from .events import Severity
+from .listening import ASK_INTERVAL, IGNORES, QUESTIONS
 from .outbox import HALT, WAKE_UP
 from .state import Activity, StateEvent
-from .stream import Escalation, IGNORES, POLL_INTERVAL, Probe, StreamPlan
+from .stream import StreamPlan
 
 CALL_INTERVAL = 0.3
 """Seconds between two calls; more at rates where a call and its answer take longer."""
+CALL_SIZE = len(oi.Start().encode()) + len(oi.Stream(packets=QUESTIONS[0].ids).encode())
+"""Bytes of a call at most, but for what stops the wheels."""
 ANSWER_TIME = 0.1
-"""Seconds from the end of a call to its answer, or until Baud is done (manual: Baud)."""
-SLOWEST_BAUD = START_BAUDS[1]
-"""Bits per second below which the stream does not fit."""
+"""Seconds from the end of a call to its answer."""
+RATES = (*START_BAUDS, FAST_BAUD)
+"""Bits per second at which a robot is looked for whose rate is not known."""
+TRIED = ', '.join(map(str, RATES))
 GARBAGE_LIMIT = 64
 """Bytes without a frame after which something else must be on the line."""
 CALLS_BEFORE_NOTICE = 3
 """Calls without an answer before the user is told; a robot that boots misses one or two."""
-
-
-def _rates(first: int) -> Iterator[int]:
-    """Yield all rates for ever; the likely ones come again before each of the others."""
-    usual = (first, *(rate for rate in START_BAUDS if rate != first))
-    rest = sorted((code.rate for code in oi.BaudCode if code.rate not in usual), reverse=True)
-    return cycle(chain.from_iterable((*usual, other) for other in rest))
-
-
-class BaudSearch:
-    """Counts calls, and picks the baud rate of the next one."""
-
-    def __init__(self, baud: int) -> None:
-        """Call at one rate; 0 searches for the robot's."""
-        self.searching = baud == 0
-        """Whether the robot's rate is not known."""
-        self.baud = baud or START_BAUDS[0]
-        """Bits per second, now."""
-        self._next = _rates(self.baud)
-        self.calls = 0
-        """Calls since the robot answered, or since the port was opened."""
-        self._garbage = bytearray()
-
-    def restart(self) -> None:
-        """Start anew: the robot answered until now, or the port has just been opened."""
-        self._next = _rates(START_BAUDS[0] if self.raises else self.baud)
-        self.calls = 0
-        self._garbage.clear()
-
-    @property
-    def raises(self) -> bool:
-        """Whether this call is for a robot that is to change to START_BAUDS[0]."""
-        return self.searching and self.baud < SLOWEST_BAUD
-
-    def next_baud(self) -> int:
-        self.calls += 1
-        if self.searching:
-            self.baud = next(self._next)
-        return self.baud
-
-    def add_garbage(self, garbage: bytes) -> None:
-        if len(self._garbage) < GARBAGE_LIMIT:
-            self._garbage += garbage[:GARBAGE_LIMIT]
-
-    def find_problem(self) -> str | None:
-        """Return once what may be wrong, after some calls without an answer."""
-        if self.calls != CALLS_BEFORE_NOTICE:
-            return None
-        at = ' and '.join(map(str, START_BAUDS)) if self.searching else str(self.baud)
-        calls = f'The driver keeps calling{", at every rate" if self.searching else ""}'
-        if len(self._garbage) >= GARBAGE_LIMIT:
-            shown = ' '.join(str(byte) for byte in self._garbage[:12])
-            rate = '' if self.searching else ', or another baud rate (`baud: 0` tries all)'
-            return (f'something sends on the port, but not like a Create at {at} baud (it sent '
-                    f'{shown} ...): if it is a Create, switch it off and on; is it another '
-                    f'device{rate}? {calls}')
-        hint = '' if self.searching else '; the parameter `baud: 0` tries other rates'
-        return (f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
-                f'serial cable, plugged in all the way{hint}? {calls}')
-
-
-WINDOW = 3.0
-"""Seconds over which frames are counted."""
-MIN_FRAMES, GOOD_FRAMES = 0.8, 0.9
-"""Fractions of all frames: with fewer something is wrong, with more the line is well again."""
-DAMAGED = 0.8
-"""Fraction of the missing frames' bytes: if more of them come as garbage, frames are damaged, not
-cut."""
-
-
-class FrameRate:
-    """
-    Counts frames over some seconds; `problem` says what is wrong, None while nothing is.
-
-    A frame that does not fit into its slot waits in the robot until its buffer is full, and is cut
-    then (manual: Stream). An adapter or a network may also carry less than its baud rate says.
-    """
-
-    def __init__(self, counts: LinkCounts) -> None:
-        self._counts = counts
-        self.problem: str | None = None
-        self._begun: float | None = None
-        """When the count began; None: not yet."""
-        self._frames = self._garbage = 0
-        """Frames and bytes of garbage that had come then."""
-
-    def restart(self) -> None:
-        """Start counting again: the robot was away, or does not stream."""
-        self._begun = None
-
-    def check(self, plan: StreamPlan, now: float) -> bool:
-        """Check what has arrived up to now; True when a problem has begun or ended."""
-        begun, before = self._begun, self.problem
-        if begun is not None and now < begun + WINDOW:
-            return False
-        counts = self._counts
-        frames, garbage = counts.frames - self._frames, counts.garbage_bytes - self._garbage
-        self._begun, self._frames, self._garbage = now, counts.frames, counts.garbage_bytes
-        if begun is None:
-            return False
-        wanted = (now - begun) / SLOT
-        if frames >= GOOD_FRAMES * wanted:
-            self.problem = None
-        elif frames < MIN_FRAMES * wanted:
-            arrive = f'only {frames / (now - begun):.0f} of {1 / SLOT:.0f} frames a second arrive'
-            missing = (wanted - frames) * plan.short.frame_size
-            faster = '' if plan.baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
-            self.problem = (
-                f'{arrive} whole, the others are damaged: is the plug loose, does a motor disturb '
-                'the line?' if plan.budget.fits and garbage > DAMAGED * missing else
-                f'frame budget exceeded: {arrive} at {plan.baud} baud: {faster}look at adapter, '
-                'network and cable')
-        return bool(before) != bool(self.problem)
-
+CALLS_OF_RESTART = 14
+"""Calls after which a robot that has said that it restarts should have answered."""
+BOOT_TEXTS = b'bl-start', b'RDK by iRobot'
+"""What a Create says while it starts (reported)."""
+RESTARTS = ('the robot restarts, by its boot text: it was switched on or reset, or its battery '
+            'gave way for a moment')
+WAKE_UP_FIRST, WAKE_UP_EVERY = 3, 10
+"""Calls of a robot that has fallen silent among which these end a command that was cut short: the
+others leave room in the queue of a robot that only waits."""
 
 SILENCE = 0.5
 """Seconds without a frame after which the robot is called again."""
@@ -155,11 +52,13 @@ MAX_ABSENCE = 2.0
 changes its mode, and commands must pause before it follows them again."""
 STANDSTILL = 1.0
 """Seconds between two calls of the driver after which its process must have been stopped."""
-WAKE_UP_FIRST, WAKE_UP_EVERY = 3, 10
-"""Calls of a robot that has fallen silent among which these end a command that was cut short: the
-others leave room in the queue of a robot that only waits."""
 STALE_BYTES_FOR = 0.05
 """Seconds after a standstill in which the system still delivers old bytes."""
+
+WINDOW = 3.0
+"""Seconds over which frames are counted."""
+MIN_FRAMES, GOOD_FRAMES = 0.8, 0.9
+"""Fractions of all frames: with fewer something is wrong, with more the line is well again."""
 
 
 class Connection:
@@ -167,47 +66,57 @@ class Connection:
 
     def __init__(self, core: Core) -> None:
         self._core = core
-        self._search = BaudSearch(core.settings.baud)
-        self._frame_rate = FrameRate(core.counts)
-        self._garbage_before = 0
-        """Bytes of garbage that had come when the last frame did."""
-        self.plan = StreamPlan(self._search.baud)
-        self._probe = Probe(core.outbox, self.plan)
-        self._ask_again_at = 0.0
-        """From when on a frame of the shortest list means that another list was not asked for."""
+        self._searching = core.settings.baud == 0
+        self.baud = core.settings.baud or RATES[0]
+        """Bits per second of the next bytes; the port has to follow."""
+        self.plan = StreamPlan(self.baud)
         self.reader = oi.StreamReader(self.plan.lists)
+        self._restart_calls()
+        self._call_interval = CALL_INTERVAL
         self.frame_at = 0.0
         """When the last frame came, in the clock of `now`."""
         self.present_at = inf
         """When a frame came last; before the first one, when the robot was called first."""
-        self._call_interval = CALL_INTERVAL
+        self._ask_again_at = 0.0
+        """From when on a frame that answers no question shows a robot that missed a request."""
         self._ran_at = inf
         """When the driver was called last; in no past before the port is open."""
-        self._stale_until = -inf
+        self.stale_until = -inf
+        """Until when bytes that arrive are too old to be used."""
+        self._garbage_before = 0
+        """Bytes of garbage that had come when the last frame did."""
+        self._restarts = False
+        """Whether boot text came since the last frame."""
         self._unanswered: str | None = None
         """What the user was told of a robot that does not answer; None before."""
+        self._too_few: str | None = None
+        """What the user was told of a line that carries too few frames; None while it is well."""
+        self._counted_from: float | None = None
+        """When the count of frames began; None: not yet."""
+        self._frames_before = 0
+        """Frames that had come then."""
         budget = self.plan.budget
         if not budget.fits:
             core.notice(Severity.ERROR, (
                 f'{budget.baud} baud is too slow: a frame of {budget.size} bytes does not fit '
-                f'into {SLOT / MILLI:.0f} ms; use {SLOWEST_BAUD} or more'))
+                f'into {SLOT / MILLI:.0f} ms; use {START_BAUDS[1]} or more'))
 
-    @property
-    def baud(self) -> int:
-        """Bits per second of the next bytes; the port has to follow."""
-        return self._search.baud
+    def _restart_calls(self) -> None:
+        """Begin to call: the robot answered until now, or the port has just been opened."""
+        self._core.listening.begin()
+        self._rates = cycle((self.baud, *(rate for rate in RATES if rate != self.baud)))
+        self._calls = 0
+        self._garbage = b''
 
     @property
     def problem(self) -> str | None:
         """What the user was told of the line; None while nothing is wrong with it."""
-        if self._core.state.answered:
-            return self._frame_rate.problem
-        return self._unanswered
+        return self._too_few if self._core.state.answered else self._unanswered
 
     def opened(self, now: float) -> None:
         """Start to call: the port has been opened."""
         self.present_at = min(self.present_at, now)
-        self._search.restart()
+        self._restart_calls()
         self._unanswered = None
         self._ran_at = now
         self._call(now, StateEvent.OPENED)
@@ -219,69 +128,134 @@ class Connection:
     def forget(self) -> None:
         """Forget how well the line works: no robot answers."""
         self.plan.asked = None
-        self._core.watch.restart()
-        self._frame_rate.restart()
+        self._core.listening.trust()
+        self._counted_from = None
 
-    def feed(self, data: bytes, now: float) -> bool:
-        """Take bytes in; False where they are too old to be used."""
-        if now < self._stale_until:
-            return False
-        self.reader.feed(data)
-        return True
+    # What arrives.
+
+    def take_answer(self, packets: oi.PacketList, now: float) -> bool:
+        """
+        Tell whether a frame of this list answers the open question.
+
+        A robot that answers is asked for all packets; after a call, or a script, its wheels are
+        stopped first. One that goes on with the list of a question has missed that.
+        """
+        core, answers = self._core, self._core.listening.answered(packets)
+        if answers:
+            self.frame_at, self._ask_again_at = now, now + ASK_INTERVAL
+            if not core.state.takes_commands:
+                core.outbox.send_at_once(HALT, now)
+            core.listening.trust()
+            self.plan.asked = None
+        elif packets in QUESTIONS and core.state.activity is Activity.SCRIPT:
+            self.frame_at = now  # the script itself may have asked for this list
+        elif packets in QUESTIONS and core.state.takes_commands and now >= self._ask_again_at:
+            self._ask_again_at = now + ASK_INTERVAL
+            core.listening.trust()
+            core.outbox.send(oi.Stream(packets=self.plan.short.ids))
+        return answers
 
     def add_frame(self, packets: oi.PacketList, now: float) -> None:
-        """Note a verified frame; report a line that carries too little, or well again."""
-        self.frame_at = now
+        """Note a verified frame."""
+        self.frame_at, self._restarts = now, False
         self._garbage_before = self._core.counts.garbage_bytes
-        self._core.watch.seen(packets.ids)
-        if not self._core.state.takes_commands:
-            self._frame_rate.restart()
-        elif self._frame_rate.check(self.plan, now):
-            problem = self._frame_rate.problem
-            self._core.notice(Severity.WARNING if problem else Severity.INFO,
-                              problem or 'frames arrive in time again')
+        self._core.listening.seen(packets.ids)
+        if self._core.state.takes_commands:
+            self._count_frames(now)
+        else:
+            self._counted_from = None
 
     def add_garbage(self, garbage: bytes) -> None:
         """Note bytes that are no frame."""
         self._core.counts.garbage_bytes += len(garbage)
-        self._search.add_garbage(garbage)
+        if any(text in garbage for text in BOOT_TEXTS):
+            self._restarts, garbage = True, b''
+        self._garbage += garbage[:GARBAGE_LIMIT - len(self._garbage)]
+
+    def _count_frames(self, now: float) -> None:
+        """
+        Report a line that carries too few frames, or well again.
+
+        Frames may be damaged on the line, cut where they do not fit into a slot (manual: Stream),
+        or lost by an adapter or a network that carries less than its baud rate says.
+        """
+        begun, before, total = self._counted_from, self._too_few, self._core.counts.frames
+        if begun is not None and now < begun + WINDOW:
+            return
+        frames = total - self._frames_before
+        self._counted_from, self._frames_before = now, total
+        if begun is None:
+            return
+        wanted = (now - begun) / SLOT
+        if frames >= GOOD_FRAMES * wanted:
+            self._too_few = None
+        elif frames < MIN_FRAMES * wanted:
+            faster = '' if self.baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
+            self._too_few = (
+                f'only {frames / (now - begun):.0f} of {1 / SLOT:.0f} frames a second arrive '
+                f'whole at {self.baud} baud: {faster}look at plug, cable, adapter and network')
+        if self._too_few and not before:
+            self._core.notice(Severity.WARNING, self._too_few)
+        elif before and not self._too_few:
+            self._core.notice(Severity.INFO, 'frames arrive in time again')
+
+    # What is sent.
 
     def ask(self, now: float, *, motion_due: bool) -> None:
         """Ask for another list of packets, when it is time for one."""
         core = self._core
-        if core.state.takes_commands and not core.watch.suspects and not core.outbox.busy:
-            stream = self.plan.next_stream(now, motion_due=motion_due)
-            if stream is not None:
-                core.outbox.send(stream)
-                core.watch.asked(tuple(stream.packets), now)
+        if core.listening.open or core.outbox.busy:
+            return
+        # A robot that has not shown the last list may wait; one that was called gets one list.
+        motion_due = motion_due and core.listening.unseen_since is None or not core.state.answered
+        stream = self.plan.next_stream(now, motion_due=motion_due)
+        if stream is not None:
+            core.outbox.send(stream)
+            core.listening.asked(tuple(stream.packets), now)
 
     def check_silence(self, now: float) -> None:
         """Call the robot when no frame has come for too long."""
         answered = self._core.state.answered
         if now - self.frame_at <= (SILENCE if answered else self._call_interval):
             return
+        rest = self.reader.flush()
+        if rest is not None:
+            self.add_garbage(rest.data)
         if answered:
             self._core.counts.silences += 1
-            self._search.restart()
+            self._restart_calls()
             garbage = self._core.counts.garbage_bytes - self._garbage_before
             why = 'the robot is off, asleep or unplugged'
-            if not self.plan.budget.fits:
-                why = f'frame budget exceeded: at {self.baud} baud long frames are cut'
+            if self._restarts:
+                why = RESTARTS
             elif now < self._ask_again_at:
-                why = IGNORES  # it sends the shortest list, but none that it was asked for since
+                why = IGNORES  # it answered a question, but has sent no list that it was asked for
             elif garbage > self.plan.full.frame_size:
                 why = (f'{garbage} bytes came, but no frame among them: is the line disturbed, or '
                        'the robot at another baud rate')
             self._unanswered = f'no frame for {SILENCE} s: {why}; calling it until it answers'
             self._core.notice(Severity.ERROR, self._unanswered)
-        rest = self.reader.flush()
-        if rest is not None:
-            self._search.add_garbage(rest.data)
-        problem = self._search.find_problem()
-        if problem is not None:
-            self._unanswered = problem
-            self._core.notice(Severity.ERROR, problem)
+        elif self._calls == (
+                CALLS_OF_RESTART if self._restarts and self._unanswered else CALLS_BEFORE_NOTICE):
+            self._restarts = self._restarts and self._unanswered is None
+            self._unanswered = self._no_answer()
+            self._core.notice(Severity.ERROR, self._unanswered)
         self._call(now, StateEvent.NO_ANSWER)
+
+    def _no_answer(self) -> str:
+        """Say what may be wrong, after some calls without an answer."""
+        if self._restarts:
+            return f'{RESTARTS}; calling it until it answers'
+        at = TRIED if self._searching else str(self.baud)
+        if len(self._garbage) == GARBAGE_LIMIT:
+            shown = ' '.join(str(byte) for byte in self._garbage[:12])
+            rate = '' if self._searching else f', or another baud rate (`baud: 0` tries {TRIED})'
+            return (f'something sends on the port, but not like a Create at {at} baud (it sent '
+                    f'{shown} ...): if it is a Create, switch it off and on; is it another '
+                    f'device{rate}? The driver keeps calling')
+        hint = '' if self._searching else f'; the parameter `baud: 0` tries {TRIED}'
+        return (f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
+                f'serial cable, plugged in all the way{hint}? The driver keeps calling')
 
     def check_standstill(self, now: float) -> None:
         """Call the robot again after this process stood still: the dead-man may have acted."""
@@ -293,78 +267,37 @@ class Connection:
             'computer that slept or was too busy); calling the robot again')
         self._core.outbox.clear(HALT)
         self.reader.flush()
-        self._search.restart()
+        self._restart_calls()
         self._unanswered = None
         self._core.handle(StateEvent.NO_ANSWER)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
-        self._stale_until = now + STALE_BYTES_FOR
-        self.frame_at = self._stale_until - self._call_interval
-
-    def watch_commands(self, missed_since: float | None, now: float) -> None:
-        """React to a robot that may ignore commands."""
-        core, watch = self._core, self._core.watch
-        if not core.state.takes_commands:
-            watch.restart()
-            return
-        before = watch.level
-        watch.check(missed_since, now)
-        if watch.level > before:
-            if watch.level is Escalation.HOLD_BACK:
-                self._probe.begin(now)
-            elif watch.level is Escalation.WAKE:
-                core.outbox.send_raw(WAKE_UP)
-            else:
-                core.notice(Severity.ERROR, IGNORES)
-        if watch.suspects:
-            self._probe.poll(now)
+        self.stale_until = now + STALE_BYTES_FOR
+        self.frame_at = self.stale_until - self._call_interval
 
     def _call(self, now: float, event: StateEvent) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""
-        self._core.outbox.clear()
-        self._core.handle(event)
-        assert self._core.state.activity is Activity.CALLING
+        core = self._core
+        core.outbox.clear()
+        core.handle(event)
+        assert core.state.activity is Activity.CALLING
         self.frame_at = now
-        baud = self._search.next_baud()
-        ask: oi.Command = oi.Stream(packets=self.plan.call.ids)
-        if self._search.raises:
-            ask = oi.Baud(code=oi.BaudCode.of_rate(START_BAUDS[0]))
-        elif baud != self.plan.baud:
-            self.plan.tune(baud)
+        self._calls += 1
+        if self._searching:
+            self.baud = next(self._rates)
+        if self.baud != self.plan.baud:
+            self.plan.tune(self.baud)
             self.reader.expect(self.plan.lists)
-        start = [] if self._core.counts.frames and not self.was_away(now) else [oi.Start()]
-        calls, stop = self._search.calls, b''
-        if (event is StateEvent.OPENED or self._search.searching
-                or calls % WAKE_UP_EVERY == WAKE_UP_FIRST):
+        stop = b''
+        if (event is StateEvent.OPENED or self._searching
+                or self._calls % WAKE_UP_EVERY == WAKE_UP_FIRST):
             # What has not left would delay a stop, or go out at the next rate.
-            seconds = len(WAKE_UP) * oi.BITS_PER_BYTE / baud
+            seconds = len(WAKE_UP) * oi.BITS_PER_BYTE / self.baud
             stop = WAKE_UP if seconds < CALL_INTERVAL else 2 * HALT.encode()
-        elif calls == 1:
+        elif self._calls == 1:
             stop = HALT.encode()  # next to nothing for a robot that may only wait
-        size = len(stop) + sum(len(each.encode()) for each in (*start, ask))
-        answer = 0 if self._search.raises else self.plan.full.frame_size
-        self._call_interval = max(
-            CALL_INTERVAL, ANSWER_TIME + (size + answer) * oi.BITS_PER_BYTE / baud)
-        self._core.outbox.send_raw(stop)
-        for each in (*start, ask):
-            self._core.outbox.send(each)
-
-    def call_answered(self, now: float) -> bool:
-        """
-        Ask a robot that has answered a call, or `Probe`, for all packets; stop it at first.
-
-        True when it did not seem to take commands until now.
-        """
-        core, again = self._core, self._core.watch.suspects
-        if not core.state.answered:
-            stream = self.plan.next_stream(now, motion_due=True)
-            if stream is not None:
-                self.frame_at = now
-                core.outbox.send(HALT)
-                core.outbox.send(stream)
-        elif now >= self._ask_again_at:
-            self._ask_again_at = now + POLL_INTERVAL
-            if not core.state.takes_commands:  # a script's round may last
-                self.frame_at = now
-            core.watch.restart()
-            self.plan.asked = None
-        return again and not core.watch.suspects
+        core.outbox.send_raw(stop)
+        if not core.counts.frames or self.was_away(now):
+            core.outbox.send(oi.Start())
+        core.listening.ask()
+        size = len(stop) + CALL_SIZE + self.plan.full.frame_size
+        self._call_interval = max(CALL_INTERVAL, ANSWER_TIME + size * oi.BITS_PER_BYTE / self.baud)

@@ -12,16 +12,18 @@ from collections.abc import Callable
 
 from .. import oi
 from .events import DriverEvent, LinkCounts, ModeStatus, Notice, Settings, Severity
+from .listening import IGNORES, Listening
 from .outbox import MODE_COMMANDS, Outbox, Pending, refused
-from .state import Activity, REFUSALS, State, StateEvent
-from .stream import CommandWatch, IGNORES
+from .state import Activity, REFUSALS, State, StateEvent, Then
 
 
 class Core:
     """Made once, and passed to every part."""
 
-    def __init__(self, settings: Settings, follow: Callable[[StateEvent], None]) -> None:
-        """`follow` is called after each event, once the state has changed."""
+    def __init__(
+        self, settings: Settings, follow: Callable[[StateEvent, tuple[Then, ...]], None],
+    ) -> None:
+        """`follow` is called after each event with what follows, once the state has changed."""
         self.settings = settings
         self.limits = settings.limits
         """Limits of the next velocities."""
@@ -34,16 +36,17 @@ class Core:
         self.events: deque[DriverEvent] = deque()
         """What has happened, oldest first."""
         self.counts = LinkCounts()
-        self.watch = CommandWatch()
+        self.listening = Listening(self.outbox, self.notice)
         self._follow = follow
         self._mistakes: set[str] = set()
 
     def handle(self, event: StateEvent) -> None:
         """Let an event change the state: the only place where it changes."""
-        if self.state.handle(event):
-            self._follow(event)
-        else:
+        consequences = self.state.handle(event)
+        if consequences is None:
             self._report_unknown(event)
+        else:
+            self._follow(event, consequences)
 
     def _report_unknown(self, event: StateEvent) -> None:
         """Log once a mistake of the driver: an event where no table lists it."""
@@ -67,15 +70,15 @@ class Core:
         status = self.status
         if self.state.refusal is not None:
             return self.state.refusal
-        if self.watch.ignores:
+        if self.listening.ignores:
             return IGNORES
         if status.actual is None and not status.unknown:
             return REFUSALS[Activity.CALLING]
         if status.actual in command.modes or (
                 status.unknown and command in MODE_COMMANDS.values()):
             return None
-        why = f' ({status.reason})' if status.unknown else ''
-        return f'robot is in {status.name}{why}: call set_mode with SAFE first'
+        mode = status.described if status.unknown else status.name
+        return f'robot is in {mode}: call set_mode with SAFE first'
 
     def request(self, command: oi.Command, done: str) -> Pending:
         """Send a command, or refuse it; the outcome's text is `done` once it is written."""

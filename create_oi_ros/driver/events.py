@@ -8,7 +8,7 @@ and notices; `Health` is all that is known at one moment, for diagnostics and st
 """
 
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import Enum, IntEnum
 from functools import cached_property
 from typing import NamedTuple
 
@@ -27,12 +27,27 @@ class LowBatteryAction(Enum):
     DOCK = 'dock'
 
 
-class BatteryLevel(Enum):
-    """State of the battery by its voltage."""
+class BatteryLevel(IntEnum):
+    """State of the battery by voltage and charge."""
 
-    FINE = 'fine'
-    LOW = 'low'
-    EMPTY = 'nearly empty'
+    FINE = 0
+    LOW = 1
+    EMPTY = 2
+
+    @property
+    def text(self) -> str:
+        """The level, for people."""
+        return ('fine', 'low', 'nearly empty')[self]
+
+
+class Charging(Enum):
+    """What a charger does; the value is the text for people."""
+
+    NO_CHARGER = 'is on no charger'
+    CHARGES = 'charges'
+    FULL = 'is full'
+    FAILS = 'does not charge'
+    UNKNOWN = 'may charge'
 
 
 @dataclass(frozen=True)
@@ -69,11 +84,13 @@ class Settings:
     reset_when_not_charging: bool = False
     """Whether a robot that does not charge on its dock is restarted."""
     odometry_window: float = 1.0
-    """Seconds between readings of distance and angle; 0 reads them in every frame."""
+    """Seconds, about, between readings of distance and angle."""
     battery_low: float = 13.5
     """V of the whole battery below which it is low."""
     battery_empty: float = 12.5
     """V below which it is nearly empty."""
+    charge_known: bool = True
+    """Whether packets 25 and 26 tell the charge; not with the alkaline pack."""
     low_battery_action: LowBatteryAction = LowBatteryAction.NONE
     """What to do then."""
     limits: MotionLimits = field(default_factory=MotionLimits)
@@ -142,6 +159,11 @@ class ModeStatus:
     def name(self) -> str:
         """The name of the mode, for people."""
         return 'no known mode' if self.actual is None else self.actual.name
+
+    @property
+    def described(self) -> str:
+        """The name of the mode, and why the robot is in it, for people."""
+        return f'{self.name} ({self.reason})' if self.reason else self.name
 
 
 class Severity(Enum):
@@ -220,12 +242,11 @@ class Health:
     """Whether the robot ignores commands, stop included."""
     suspects_commands: bool
     """Whether it may ignore commands: it shows no sign that it takes them."""
-    angle_stuck: bool
-    """Whether the angle does not change though the robot is told to turn."""
     robot: Knowledge | None
     """What the odometry has learned of this robot; None before it has learned anything."""
     gyro: GyroState | None
     """What is thought of the gyro; None: there is none."""
     battery: BatteryLevel
+    charging: Charging
     songs: tuple[int, ...]
     """Numbers of the songs that are stored."""

@@ -14,7 +14,7 @@ from .. import oi
 from ..odometry import Estimate
 from .core import Core
 from .events import Cause, Moved, Severity
-from .goals import Code, Ending, Goal
+from .goals import Code, Goal
 from .goals.goal import (
     AGAIN,
     CLIFFS,
@@ -42,8 +42,6 @@ TAKEN_OVER = {
         Code.STOPPED, 'the battery is nearly empty (low_battery_action): charge it'),
     StateEvent.DEMO_STARTED: (Code.SUPERSEDED, 'a demo took over'),
     StateEvent.DEMO_ENDED: (Code.SUPERSEDED, 'the service stop_demo was called'),
-    StateEvent.SCRIPT_STARTED: (Code.SUPERSEDED, 'a script took over'),
-    StateEvent.SHOW_STARTED: (Code.SUPERSEDED, 'the stored script is being read'),
     StateEvent.MODE_SET: (Code.SUPERSEDED, 'another mode was set'),
     StateEvent.PASSIVE_SET: (
         Code.MODE, 'PASSIVE was set: call set_mode with SAFE, then send the goal again'),
@@ -76,7 +74,6 @@ class GoalControl:
         self._straight, self._turning = StoppingModel(), StoppingModel()
         self._goal: Goal | None = None
         """The goal that runs, or has ended last."""
-        self._mode_before = oi.Mode.SAFE
 
     def start(self, goal: Goal, now: float) -> Goal:
         """Pursue a goal from the next frame on; one that runs is superseded."""
@@ -88,8 +85,7 @@ class GoalControl:
         if self._core.state.activity is Activity.HOLDING:
             # A goal is as good as a pause of commands.
             self._core.handle(StateEvent.HALTED)
-        self._goal, self._mode_before = goal, self._core.status.wanted
-        goal.given_at = now
+        self._goal, goal.given_at = goal, now
         self._core.handle(StateEvent.GOAL_STARTED)
         if goal.hint:
             self._core.notice(Severity.WARNING, goal.hint)
@@ -104,28 +100,28 @@ class GoalControl:
         if self._goal is not None:
             self._end(self._goal, DRIVER_ENDS)
 
-    def handled(self, event: StateEvent) -> None:
-        """End the goal after an event that has led out of its activities."""
-        if self._goal is not None and self._goal.outcome is None and not self._core.state.pursues:
-            if event is StateEvent.MODE_LEFT:
-                status = self._core.status
-                over = Over(Code.CLIFF if self._blames(CLIFFS) else Code.MODE, (
-                    f'robot left {status.wanted.name} ({status.reason}): {self._advice()}'))
-            else:
-                over = Over(*TAKEN_OVER[event])
-            self._end(self._goal, over)
+    def taken_over(self, event: StateEvent) -> None:
+        """End the goal that runs, if any, after an event that has led out of its activities."""
+        if self._goal is None or self._goal.outcome is not None:
+            return
+        over = Over(*TAKEN_OVER[event]) if event in TAKEN_OVER else Over(
+            Code.CLIFF if self._blames(CLIFFS) else Code.MODE,
+            f'robot left {self._core.status.wanted.name} ({self._core.status.reason}): '
+            f'{self._advice()}')
+        self._end(self._goal, over)
 
     def see(self, moved: Moved, now: float) -> None:
         """Pursue the goal that runs in a new frame."""
         goal = self._goal
         assert goal is not None
+        if goal.begun_at is None and self._modes.entering:
+            return
         if goal.needs_driving and not self._core.status.can_drive:
             if goal.begun_at is not None:
                 self.finish(self._wrong_mode(), now)
             return
-        order = goal.step(View(
-            now, moved.dt, moved.estimate, moved.readings, moved.brought.has('distance'),
-            self._core.limits, self._straight, self._turning))
+        order = goal.step(self._view(
+            now, moved.dt, moved.estimate, measured=moved.brought.has('distance')))
         if goal.begun_at is None and not isinstance(order, Over):
             goal.begun_at = now
         self._obey(order, now)
@@ -140,20 +136,31 @@ class GoalControl:
         elif now - goal.begun_at > (goal.allowance or inf):
             self.finish(goal.timed_out(), now)
 
+    def _view(self, now: float, dt: float, estimate: Estimate, *, measured: bool) -> View:
+        return View(now, dt, estimate, self._core.readings, measured, self._core.limits,
+                    self._straight, self._turning)
+
     # How a goal begins.
 
     def _refusal(self, goal: Goal, now: float) -> Over | None:
-        """Say why a goal cannot be pursued now; None where it can."""
-        state = self._core.state
+        """Say why a goal cannot be pursued now; None where it can. It changes nothing."""
+        state, own = self._core.state, self._modes.own
         if not state.answered:
             return Over(Code.NO_ROBOT, REFUSALS[state.activity])
         if state.pursues:
-            return None
-        why = state.drive_refusal if goal.needs_driving else state.refusal
-        if why is None and goal.needs_driving:
-            why = self._modes.allow_driving(now)
-            why = why and f'{why}: {self._advice()}'
-        return Over(Code.MODE, why) if why else None
+            why = None
+            if goal.needs_driving and own not in oi.ACTUATE:
+                why = (f'another goal runs, and the robot was in {own.name} before: cancel it, or '
+                       'call set_mode with SAFE, then send the goal again')
+        elif goal.needs_driving:
+            why = state.drive_refusal or self._modes.allow_driving(now)
+            why = why and (state.drive_refusal or f'{why}: {self._advice()}')
+        else:
+            why = state.refusal
+        if why:
+            return Over(Code.MODE, why)
+        goal.view = self._view(now, 0.0, self._odometry.estimate, measured=False)
+        return goal.hazard()
 
     def _wrong_mode(self) -> Over:
         name = self._core.status.name
@@ -181,9 +188,10 @@ class GoalControl:
                 if why:
                     self._core.notice(Severity.WARNING, why)
                 self._motion.follow(0.0, 0.0, now)
-                self._modes.want(mode)
-                self._modes.enter(mode, now)
+                self._modes.borrow(mode)
+                self._modes.enter(now)
             case Instruction.SEEK_DOCK:
+                self._modes.borrow(oi.Mode.PASSIVE)
                 self._modes.play_demo(
                     oi.DemoNumber.COVER_AND_DOCK, StateEvent.DOCKING_STARTED)
             case Instruction.MEASURE:
@@ -196,29 +204,26 @@ class GoalControl:
         """End the goal that runs, if any, and stop what it set in motion."""
         if self._goal is None or not self._core.state.pursues:
             return
-        gives_up = self._core.state.activity is Activity.DOCKING and over.code is not Code.NONE
         self._core.outbox.send_at_once(HALT, now)
-        if gives_up:
+        if over.code is Code.NONE:
+            self._modes.want(self._core.status.wanted)  # and no longer that from before
+        elif self._core.state.activity is Activity.DOCKING:
             self._core.outbox.send_at_once(END_DEMO, now)
         self._end(self._goal, over)
         self._core.handle(StateEvent.GOAL_ENDED)
-        if gives_up:
-            self._modes.want(self._mode_before)
-            self._modes.enter(self._mode_before, now)
 
     def _end(self, goal: Goal, over: Over) -> None:
         """Tell who waits how a goal ended, and how far it got."""
-        text, how, seconds = over.text, 'not started', 0.0
+        text, how = over.text, 'not started'
         if goal.hint and goal is self._goal:
             text = f'{text} ({goal.hint})'
         if goal.begun_at is not None:
-            seconds = goal.view.now - goal.begun_at
             verb = 'ended' if over.code in MAY_MOVE else 'stopped'
-            how = f'{verb} {goal.way(seconds)}'
+            how = f'{verb} {goal.way(goal.view.now - goal.begun_at)}'
         if over.code is not Code.NONE:
             text = f'{how}; {text}'
-        readings = self._core.readings
-        known = readings.has('oi_mode')
-        goal.settle(Ending(
-            over.code, text, self._odometry.estimate if known else Estimate(), seconds,
-            known and docked(readings)))
+        goal.code = over.code
+        if self._core.readings.has('oi_mode'):
+            goal.estimate = self._odometry.estimate
+            goal.docked = docked(self._core.readings)
+        goal.end(over.code is Code.NONE, text)

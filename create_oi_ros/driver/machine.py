@@ -7,8 +7,8 @@ It mirrors the robot's: `receive(bytes, now)`, `poll(now)`, `data_to_send()`. Ca
 bytes have come, `poll` whenever time has passed, and write what `data_to_send` returns; fetch
 what happened with `next_event`. `now` is in seconds on any clock that does not go backwards.
 
-What the driver is doing is one value, `state`: `Core.handle` changes it, and `_follow` tells the
-parts what follows. A request (modes.set, outputs.set_leds, ...) returns a `Pending`; `poll` sends.
+What the driver is doing is one value, `state`: `Core.handle` changes it, and `_follow` does what
+follows. A request (modes.set, outputs.set_leds, ...) returns a `Pending`; `poll` sends.
 """
 
 from collections import deque
@@ -17,29 +17,21 @@ from math import inf, isfinite
 
 from .. import oi
 from ..odometry import Odometry
-from .battery import BatteryGuard, ChargeWatch
+from .battery import Battery, charging
 from .connection import Connection
 from .core import Core
-from .events import (
-    DriverEvent,
-    Health,
-    ModeStatus,
-    MotionLimits,
-    Moved,
-    Settings,
-    Severity,
-)
+from .events import DriverEvent, Health, ModeStatus, MotionLimits, Moved, Settings, Severity
 from .goal_control import COMMANDED, GoalControl
+from .listening import QUESTIONS
 from .mode import causes_in, docked, Modes
 from .motion import Motion
 from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
 from .script import ScriptControl
-from .state import Activity, StateEvent
-from .tracking import ANGLE_STUCK, Tracking, TurnCheck
+from .songs import Songs
+from .state import Activity, StateEvent, Then
+from .tracking import Tracking
 
-ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
-"""Events after which nothing is known of the robot."""
 SLOW_CHECK_INTERVAL = 0.1
 """Seconds between two checks of what changes within seconds."""
 MAX_COORDINATE = 1e6
@@ -61,34 +53,49 @@ class Driver:
         self.plan = self._connection.plan
         """The lists of packets that the robot is asked to stream."""
         self.outputs = Outputs(core)
+        self.songs = Songs(core)
         self.modes = Modes(core, self.outputs)
         self.motion = Motion(core, self.modes)
         self.scripts = ScriptControl(core, self.plan)
         self._tracking = Tracking(core, self.scripts, odometry)
         self.goals = GoalControl(core, self.motion, self.modes, self._tracking)
-        self._battery = BatteryGuard(core, self.modes)
-        self._charging = ChargeWatch(core)
-        self._turn_check = TurnCheck(core.limits.wheel_separation)
+        self._battery = Battery(core, self.modes)
         self._on_dock = False
         """Whether the robot was on its dock, and no goal drove it, when that was checked last."""
         self._unchecked: deque[Moved] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
         self._check_at = -inf
 
-    def _follow(self, event: StateEvent) -> None:
-        """Tell the wheels and the other parts what follows from an event."""
-        self.motion.handled(event)
-        if not self.state.robot_moves:
-            self.core.outbox.call_off_motion()
-        if event in ROBOT_UNKNOWN:
-            self.outputs.fail(LOST)
-            self._connection.forget()
-            self._tracking.restart()
-            self.modes.forget()
-            self.motion.resume()
-            self.scripts.forget()
-            self._unchecked.clear()
-        self.goals.handled(event)
+    def _follow(self, event: StateEvent, consequences: tuple[Then, ...]) -> None:
+        """Do what follows from an event."""
+        for then in consequences:
+            match then:
+                case Then.STAND:
+                    self.motion.stop()
+                case Then.AGAIN:
+                    self.motion.send_again()
+                case Then.CALL_OFF:
+                    self.core.outbox.call_off_motion()
+                case Then.FORGET:
+                    self._forget()
+                case Then.FAIL:
+                    self.songs.fail(LOST)
+                    self.modes.fail()
+                case Then.END:
+                    self.goals.taken_over(event)
+                case Then.GIVE_BACK | Then.RESTORE:
+                    self.modes.give_back(enter=then is Then.RESTORE)
+                case _:  # WARN
+                    self.motion.warn_again()
+
+    def _forget(self) -> None:
+        """Forget what is known of the robot."""
+        self._connection.forget()
+        self._tracking.restart()
+        self.modes.forget()
+        self.motion.resume()
+        self.scripts.forget()
+        self._unchecked.clear()
 
     # What arrives and leaves, and what happened.
 
@@ -100,26 +107,19 @@ class Driver:
         """Stop talking: the port is gone."""
         self._connection.reader.flush()
         self.core.outbox.clear()
-        self.core.handle(StateEvent.PORT_CLOSED)
         self.modes.fail(f'port lost: {why}')
+        self.core.handle(StateEvent.PORT_CLOSED)
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
         self._connection.check_standstill(now)
-        if self.state.activity is Activity.READING:
-            self.scripts.receive(data)
-            return
-        if not self._connection.feed(data, now):
-            return
         reader = self._connection.reader
+        if now < self._connection.stale_until:
+            return
+        reader.feed(data)
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.Frame):
-                if event.packets is self.plan.call:
-                    self.scripts.listens()
-                    if self._connection.call_answered(now):
-                        self._send_again()
-                else:
-                    self._take_frame(event, now)
+                self._take_frame(event, now)
             else:
                 self._connection.add_garbage(event.data)
         self.counts.checksum_failures = reader.checksum_failures
@@ -132,20 +132,20 @@ class Driver:
         self._connection.check_standstill(now)
         while self._unchecked:
             self._check_frame(self._unchecked.popleft(), now)
-        if not self.state.takes_commands:
-            if self.state.activity in (Activity.SILENCING, Activity.READING):
-                self._connection.frame_at = now
-            self.scripts.poll(now)
+        self.scripts.poll(now)
         self._connection.check_silence(now)
         self.modes.poll(now)
-        self.outputs.poll(now)
+        self.songs.poll(now)
         if self.state.pursues:
             self.goals.poll(now)
         self.motion.poll(now)
-        suspected = self.core.watch.suspects
-        self._connection.watch_commands(self.motion.missed_since, now)
-        if suspected and not self.core.watch.suspects:
+        listening = self.core.listening
+        if not self.state.takes_commands:
+            listening.trust()
+        elif listening.check(self.motion.missed_since, now):
             self._send_again()
+        if self.state.answered:
+            listening.poll(now)
         self._connection.ask(now, motion_due=self._tracking.odometry.reading_due)
         self.core.outbox.release(now)
 
@@ -186,38 +186,41 @@ class Driver:
             line_problem=connection.problem,
             frame_age=now - connection.frame_at if self.counts.frames else None,
             spare_bytes=self.plan.budget.spare, checksum=connection.reader.checksum,
-            ignores_commands=self.core.watch.ignores,
-            suspects_commands=self.core.watch.suspects, angle_stuck=self._turn_check.stuck,
+            ignores_commands=self.core.listening.ignores,
+            suspects_commands=bool(self.core.listening.doubt),
             robot=self._tracking.robot, gyro=self._tracking.gyro,
-            battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
+            battery=self._battery.level, charging=charging(readings),
+            songs=tuple(sorted(self.songs.defined)))
 
     # What is requested.
 
     def drive(self, linear: float, angular: float, now: float) -> None:
         """Follow a velocity, m/s and rad/s, until the next command or the timeout."""
+        self._connection.check_standstill(now)
         finite = self.motion.check_numbers(linear, angular)
         if self.state.pursues:
             if not (finite and self.core.limits.commands_interrupt and (linear or angular)):
                 return
-            docking = self.state.activity is Activity.DOCKING
+            borrowed = self.modes.own is not self.status.wanted
             self.goals.finish(COMMANDED, now)
-            if docking:
+            if borrowed:
                 return  # the robot first has to enter its mode
         self.motion.command(linear, angular, now)
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        vain = (
-            self.state.activity is Activity.CLOSED
-            or self.state.activity is Activity.SCRIPT and self.scripts.stop_sent
-            or self.core.watch.suspects and self.motion.stop_sent and not self._may_play_demo)
+        listening = self.core.listening
+        vain = self.state.activity is Activity.CLOSED or (
+            self.state.answered and listening.open and listening.stop_sent)
         if not vain:
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
-        self.scripts.stop_sent = True
+        listening.stop_sent = True
         if self.core.outbox.call_off_motion() and self.scripts.playing:
-            self.scripts.end()
+            self.core.listening.open = False
+            self.plan.asked = None
+            self.core.handle(StateEvent.SCRIPT_ENDED)
         self.core.handle(StateEvent.STOPPED)
         why = self.scripts.status(now) or self.core.refusal(oi.Demo)
         return done('stop sent') if why is None else refused(why)
@@ -256,9 +259,7 @@ class Driver:
         try:
             mode = oi.Mode.PASSIVE if self._may_play_demo else self.status.actual
             self.core.outbox.clear(*farewell(mode, self.settings.mode_on_exit))
-            self.outputs.fail('driver is shutting down')
-            self.outputs.poll(now)  # the LEDs as they were before an animation
-            self.core.outbox.release(now)
+            self.songs.fail('driver is shutting down')
             self.modes.fail('driver is shutting down')
             script = self.scripts.status(now)
             if script is not None:
@@ -272,17 +273,21 @@ class Driver:
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
-        before = self.core.readings
-        moved = self._tracking.take(frame, self._connection.baud, now)
-        self._connection.add_frame(frame.packets, now)
+        before, activity, connection = self.core.readings, self.state.activity, self._connection
+        answers = connection.take_answer(frame.packets, now)
+        if frame.packets in QUESTIONS:
+            if answers and self.state.answered:
+                self._send_again()
+            return
+        moved = self._tracking.take(frame, connection.baud, now)
+        connection.add_frame(frame.packets, now)
+        if answers:
+            self._after_script()
         if moved is None:
             return
-        activity = self.state.activity
         if activity is Activity.CALLING:
             self._found(before, now)
-        elif activity is Activity.SCRIPT and frame.packets == self.plan.marker:
-            self._after_script()
-        self._connection.present_at = now
+        connection.present_at = now
         self.core.events.append(moved)
         self._unchecked.append(moved)
 
@@ -292,15 +297,17 @@ class Driver:
                      for each in (before, self.core.readings))
         away = self._connection.was_away(now) or had is not None and (
             had is not mode or mode not in oi.ACTUATE)
+        self.core.listening.open = False
         self.core.handle(StateEvent.RETURNED if away else StateEvent.ANSWERED)
         wanted = self.status.wanted
         self.core.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
-        self.outputs.restore_songs()
-        self.modes.enter(wanted, now)
+        self.outputs.switch_drivers_off()
+        self.songs.restore()
+        self.modes.enter(now)
 
     def _after_script(self) -> None:
-        """React to a frame that shows that the script has ended."""
-        self.scripts.end()
+        """React to a robot that has shown that its script has ended."""
+        self.core.handle(StateEvent.SCRIPT_ENDED)
         if self.scripts.resets_accumulators:
             self._tracking.odometry.recounted()
         self.core.notice(Severity.INFO, (
@@ -313,15 +320,13 @@ class Driver:
             self.core.handle(StateEvent.MODE_LEFT)
 
     def _check_frame(self, moved: Moved, now: float) -> None:
-        """React to what a frame says about mode, commands, line, angle and battery."""
+        """React to what a frame says about mode, commands, line and battery."""
         readings = moved.readings
         if self.state.pursues:
             self.goals.see(moved, now)
         self.modes.observe(readings, now)
         self.motion.observe(readings, now)
         self.modes.retry(now)
-        if self._turn_check.observe(moved.brought, moved.dt, drives=self.status.can_drive):
-            self.core.notice(Severity.WARNING, ANGLE_STUCK)
         if now >= self._check_at:
             self._check_at = now + SLOW_CHECK_INTERVAL
             self._check_slow(readings, now)
@@ -329,7 +334,6 @@ class Driver:
     def _check_slow(self, readings: oi.Readings, now: float) -> None:
         """Check what changes within seconds: battery, dock, what is known of the robot."""
         self._battery.observe(readings, now)
-        self._charging.observe(readings, now)
         self._tracking.report_robot(now)
         was_on_dock, pose = self._on_dock, self.settings.dock_pose
         self._on_dock = docked(readings) and self.state.activity is not Activity.GOAL
@@ -338,9 +342,9 @@ class Driver:
             self.core.notice(Severity.INFO, 'on the dock: odom goes on from dock_pose')
 
     def _send_again(self) -> None:
-        """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
+        """Send again what the robot may have missed: its list, speeds, songs, LEDs, outputs."""
+        self.plan.asked = None
         self.motion.resume()
-        if self.state.takes_commands:
-            self.outputs.restore_songs()
-            if self.status.actual in oi.ACTUATE:
-                self.outputs.restore()
+        self.songs.restore()
+        if self.status.actual in oi.ACTUATE:
+            self.outputs.restore()

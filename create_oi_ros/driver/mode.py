@@ -5,8 +5,9 @@ The wanted mode and the actual one: why the robot left it, and how it gets into 
 
 In Safe mode the robot itself falls to Passive on a cliff, a wheel drop or a powered charger
 (manual: Safe Mode). The driver notices, names the cause, and enters the wanted mode: on request,
-when the robot missed the command, and when a fresh velocity comes after the hazard is gone. The
-robot's demos are here, too: it plays them in Passive, where it follows no velocity.
+when the robot missed the command, and when a fresh velocity comes after the hazard is gone. A goal
+only borrows a mode: that from before is wanted again when it ends, unless somebody has asked for
+another. The robot's demos are here, too: it plays them in Passive, where it follows no velocity.
 """
 
 from math import inf
@@ -57,25 +58,61 @@ def docked(readings: oi.Readings) -> bool:
     return bool(readings.number('charging_sources', 0) & HOME_BASE)
 
 
+class Attempt:
+    """How the wanted mode is entered: how often and when it was commanded, and who waits."""
+
+    def __init__(self, mode: oi.Mode) -> None:
+        self.mode = mode
+        self.tries = 0
+        """Commands since the mode was wanted, or entered last; 0: it is not being entered."""
+        self.begun_at = self.tried_at = -inf
+        """When it was commanded first and last, s; infinite where the next poll says when."""
+        self.request = done('no request')
+
+
 class Modes:
     """Keeps the robot in the wanted mode as far as safety allows; starts and ends demos."""
 
     def __init__(self, core: Core, outputs: Outputs) -> None:
         self._core = core
         self._outputs = outputs
+        self._attempt = Attempt(core.status.wanted)
+        self._before_goal: oi.Mode | None = None
+        """The mode from before a goal wanted another; None where none does."""
         self._causes_before: tuple[Cause, ...] = ()
         """What the frame before showed."""
         self._cause_seen_at = -inf
-        self._tries = 0
-        """How often the wanted mode was commanded since it was wanted, or entered last."""
-        self._first_try_at = self._tried_at = -inf
-        self._request = done('no request')
-        self._requested = oi.Mode.OFF
-        """The mode that the request is for."""
-        self._deadline = 0.0
-        """When the request has failed."""
 
-    # How the robot gets into a mode.
+    # Which mode is wanted.
+
+    def want(self, mode: oi.Mode, causes: tuple[Cause, ...] = ()) -> None:
+        """Want a mode from now on; `causes`: why the robot is not in it."""
+        status = self._core.status
+        self._attempt.request.end(False, 'another request came before the robot answered')
+        self._attempt, self._before_goal = Attempt(mode), None
+        self._core.set_status(ModeStatus(
+            status.actual, mode, status.causes if status.actual is None else causes))
+
+    @property
+    def own(self) -> oi.Mode:
+        """The mode that somebody asked for, whatever a goal wants meanwhile."""
+        return self._core.status.wanted if self._before_goal is None else self._before_goal
+
+    def borrow(self, mode: oi.Mode) -> None:
+        """Want a mode for the goal that runs."""
+        own = self.own
+        self.want(mode)
+        self._before_goal = None if own is mode else own
+
+    def give_back(self, *, enter: bool) -> None:
+        """Want the mode from before a goal again, if it wanted another; perhaps enter it now."""
+        if self._before_goal is not None:
+            left = not enter and self._core.status.actual is not self._before_goal
+            self.want(self._before_goal, self._core.status.causes if left else ())
+            if enter:
+                self.enter(inf)
+
+    # How the robot gets into it.
 
     def set(self, number: int, now: float, event: StateEvent | None = None) -> Pending:
         """
@@ -89,51 +126,43 @@ class Modes:
         why = self._core.refusal(MODE_COMMANDS[mode])
         if why is not None:
             return refused(why)
-        self.fail('another request came before the robot answered')
+        self.want(mode)
         self._core.handle(event or (
             StateEvent.MODE_SET if mode in oi.ACTUATE else StateEvent.PASSIVE_SET))
-        self.want(mode)
-        sent = self.enter(mode, now)
+        sent = self.enter(now)
         if self._core.status.actual is mode:
             return sent
-        self._request, self._requested = Pending(), mode
-        self._deadline = now + MODE_TIMEOUT
-        return self._request
+        self._attempt.request = Pending()
+        return self._attempt.request
 
-    def fail(self, why: str) -> None:
-        """End a request that has not been answered."""
-        self._request.end(False, why)
-
-    def want(self, mode: oi.Mode) -> None:
-        """Change the wanted mode; why the robot left the last one no longer matters."""
-        status = self._core.status
-        self._core.set_status(ModeStatus(
-            status.actual, mode, status.causes if status.actual is None else ()))
-        self._tries = 0
-
-    def enter(self, mode: oi.Mode, now: float) -> Pending:
-        """Tell the robot to enter a mode, and set the outputs that this resets."""
-        if self._tries == 0:
-            self._first_try_at = now
-        self._tries += 1
-        self._tried_at = now
+    def enter(self, now: float) -> Pending:
+        """Tell the robot to enter the wanted mode, and set the outputs that this resets."""
+        attempt = self._attempt
+        attempt.tries, attempt.tried_at = attempt.tries + 1, now
+        if attempt.tries == 1:
+            attempt.begun_at = now
         self._core.handle(StateEvent.MODE_ENTERED)
-        sent = self._core.outbox.send(MODE_COMMANDS[mode](), f'robot is in {mode.name}')
-        if mode in oi.ACTUATE:
+        sent = self._core.outbox.send(
+            MODE_COMMANDS[attempt.mode](), f'robot is in {attempt.mode.name}')
+        if attempt.mode in oi.ACTUATE:
             self._outputs.restore()
         return sent
+
+    @property
+    def entering(self) -> bool:
+        """Whether the robot is about to enter the wanted mode, as far as is known."""
+        return self._attempt.tries > 0 and not self._core.status.causes
 
     def retry(self, now: float) -> None:
         """Enter the wanted mode again where the robot seems to have missed the command."""
         core, status = self._core, self._core.status
-        if (not core.state.takes_commands or core.watch.suspects
-                or status.actual in (None, status.wanted)
-                or now - self._tried_at <= RETRY_INTERVAL):
+        if (core.listening.open or status.actual in (None, status.wanted)
+                or now - self._attempt.tried_at <= RETRY_INTERVAL):
             return
         # Full instead of Safe, or Safe instead of Full: no safety stop, but a damaged command.
         damaged = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
-        if damaged or not status.causes and 0 < self._tries < MAX_TRIES:
-            self.enter(status.wanted, now)
+        if damaged or self.entering and self._attempt.tries < MAX_TRIES:
+            self.enter(now)
 
     def allow_driving(self, now: float) -> str | None:
         """
@@ -145,7 +174,7 @@ class Modes:
         status = self._core.status
         if status.wanted not in oi.ACTUATE:
             return self.wrong_mode()
-        if status.can_drive or 0 < self._tries and not status.causes:
+        if status.can_drive or self.entering:
             return None
         if (not self._core.settings.recover_mode or not status.causes or status.actual is None
                 or now - self._cause_seen_at < CLEAR_TIME):
@@ -153,7 +182,7 @@ class Modes:
         if not self._core.outbox.busy:
             self._core.notice(
                 Severity.INFO, f'{status.reason} is gone: entering {status.wanted.name} again')
-            self.enter(status.wanted, now)
+            self.enter(now)
         return None
 
     # What the robot reports.
@@ -161,31 +190,31 @@ class Modes:
     def forget(self) -> None:
         """Forget the actual mode: no robot answers."""
         self._core.set_status(ModeStatus(None, self._core.status.wanted))
-        self._tries = 0
+        self._attempt.tries = 0
 
     def observe(self, readings: oi.Readings, now: float) -> None:
         """Take a frame's mode in: notice a mode that was left, and one that was requested."""
-        present = causes_in(readings)
+        present, attempt = causes_in(readings), self._attempt
         if present:
             self._cause_seen_at = now
         before, actual = self._core.status, readings.oi_mode
         causes = before.causes
         left = before.actual == before.wanted != actual
         # Without a cause it may only seem so: a frame from before the mode was entered came late.
-        dropped = left and (bool(present) or now - self._first_try_at > SETTLING_TIME)
+        dropped = left and (bool(present) or now - attempt.begun_at > SETTLING_TIME)
         dropped |= actual is None and (left or before.can_drive)
         tried_in_vain = (
-            not causes and 0 < self._tries and now - self._tried_at > RETRY_INTERVAL
-            and (bool(present) or self._tries >= MAX_TRIES))
+            self.entering and now - attempt.tried_at > RETRY_INTERVAL
+            and (bool(present) or attempt.tries >= MAX_TRIES))
         if actual is None:
             causes = (Cause.MODE_UNKNOWN,)
         elif dropped:
             causes = present or self._causes_before or (
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
         elif actual == before.wanted:
-            causes, self._tries = (), 0
+            causes, attempt.tries = (), 0
         elif left:
-            self._tries = 1
+            attempt.tries = 1
         elif before.unknown or tried_in_vain:
             causes = present or (Cause.UNKNOWN,)
         self._causes_before = present
@@ -193,8 +222,8 @@ class Modes:
             self._core.set_status(ModeStatus(actual, before.wanted, causes))
         if dropped:
             self._mode_left(now)
-        if actual is self._requested:
-            self._request.end(True, f'robot is in {actual.name}')
+        if actual is attempt.mode:
+            attempt.request.end(True, f'robot is in {actual.name}')
 
     def _mode_left(self, now: float) -> None:
         """Report why the robot left the wanted mode; end a demo that nobody asked for."""
@@ -203,31 +232,37 @@ class Modes:
         self._core.notice(
             Severity.WARNING, f'robot left {status.wanted.name} for {status.name}: '
             f'{status.reason}')
-        if self._core.state.takes_commands and (status.causes == (Cause.UNKNOWN,) or (
+        if not self._core.listening.open and (status.causes == (Cause.UNKNOWN,) or (
                 status.unknown and status.wanted is oi.Mode.PASSIVE)):
             self._core.outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
 
     def poll(self, now: float) -> None:
         """End a request whose mode the robot did not report in time."""
-        if self._request.outcome is not None or now <= self._deadline:
-            return
-        status = self._core.status
-        lost = status.actual is None and not status.unknown
-        stays = 'does not answer' if lost else f'stays in {status.name}'
-        why = f' ({status.reason})' if status.reason else ''
-        needs = (self.advice() if docked(self._core.readings) or status.unknown else
-                 'in SAFE it needs all wheels down, no cliff under it and no charger plugged in')
-        self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: {needs}')
+        attempt = self._attempt
+        attempt.begun_at, attempt.tried_at = min(attempt.begun_at, now), min(attempt.tried_at, now)
+        if attempt.request.outcome is None and now > attempt.begun_at + MODE_TIMEOUT:
+            self.fail()
+
+    def fail(self, why: str = '') -> None:
+        """End the request for a mode, if one waits; by default say what the robot does instead."""
+        status, attempt = self._core.status, self._attempt
+        does, needs = f'stays in {status.described}', (
+            'in SAFE it needs all wheels down, no cliff under it and no charger plugged in')
+        if status.actual is None and not status.unknown:
+            does = f'does not answer ({status.reason})'
+            needs = 'check cable and power, the driver keeps trying'
+        elif docked(self._core.readings) or status.unknown:
+            needs = self.advice()
+        attempt.request.end(
+            False, why or f'robot {does} instead of entering {attempt.mode.name}: {needs}')
 
     # In words.
 
     def wrong_mode(self) -> str:
         """Say in which mode the robot is that is told to drive and does not."""
         status = self._core.status
-        if status.can_drive:
-            return f'robot is to enter {status.wanted.name}'
-        why = f' ({status.reason})' if status.reason else ''
-        return f'robot is in {status.name}{why}'
+        return (f'robot is to enter {status.wanted.name}' if status.can_drive else
+                f'robot is in {status.described}')
 
     def advice(self, again: str = PAUSE) -> str:
         """Say how a robot that is in no mode to drive is brought to drive."""
@@ -249,26 +284,31 @@ class Modes:
         if number not in DEMOS:
             return refused(f'there is no demo {number}; allowed: 0 (Cover) to 9 (Banjo)')
         why = self._core.refusal(oi.Demo)
-        return refused(why) if why is not None else self.play_demo(
-            oi.DemoNumber(number), StateEvent.DEMO_STARTED)
+        if why is not None:
+            return refused(why)
+        self.want(oi.Mode.PASSIVE)
+        return self.play_demo(oi.DemoNumber(number), StateEvent.DEMO_STARTED)
 
     def play_demo(self, demo: oi.DemoNumber, event: StateEvent) -> Pending:
         """Tell a robot that takes commands to play a demo; `event` says for whom."""
-        pauses = demo is oi.DemoNumber.COVER_AND_DOCK and self._core.status.can_drive
         self._core.handle(event)
-        self.want(oi.Mode.PASSIVE)
-        if pauses:
-            self._core.outbox.send(oi.Start(), pause=DOCK_PAUSE)
+        rest = 0.0
+        if demo is oi.DemoNumber.COVER_AND_DOCK and self._core.status.can_drive:
+            rest = DOCK_PAUSE
+            self._core.outbox.send(oi.Start())
         return self._core.outbox.send(
-            oi.Demo(demo=demo), f'demo {demo.name} sent; call stop_demo to end it')
+            oi.Demo(demo=demo), f'demo {demo.name} sent; call stop_demo to end it', rest=rest)
 
     def stop_demo(self) -> Pending:
         """End the demo that runs, if any; the robot stays in Passive."""
-        why = self._core.refusal(oi.Demo)
+        core = self._core
+        why = core.refusal(oi.Demo)
         if why is not None:
             return refused(why)
-        if not self._core.state.robot_moves and self._core.status.can_drive:
+        if core.state.robot_moves:
+            self.want(oi.Mode.PASSIVE)
+        elif core.status.can_drive:
             return done('no demo runs: the robot obeys cmd_vel')
-        self._core.handle(StateEvent.DEMO_ENDED)
-        return self._core.outbox.send(
+        core.handle(StateEvent.DEMO_ENDED)
+        return core.outbox.send(
             END_DEMO, 'end of the demo sent; call set_mode with SAFE to drive again')

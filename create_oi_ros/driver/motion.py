@@ -30,13 +30,10 @@ STOPPED = WheelSpeeds(0.0, 0.0)
 BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
 ENDED_BY_PAUSE = (Activity.HOLDING, Activity.DRIVING)
 """Activities that end when no command comes for the timeout."""
-SHORT = (Activity.SILENCING, Activity.READING)
-"""Activities that end within a second."""
-SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
-"""Events after which the wheels still run at the speeds that were sent last."""
 AWAY = 'the robot was away, or in another mode, while commands went on'
-MIN_SENSIBLE_SPEED = 1e-6
-"""Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0."""
+MIN_SENSIBLE_SPEED = 1e-300
+"""Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0: the bits of a
+whole 1 are 5e-324. What senders round is larger."""
 
 
 class Velocity(NamedTuple):
@@ -89,7 +86,7 @@ def rounded(speeds: WheelSpeeds) -> tuple[int, int]:
     Return whole mm/s for right and left wheel, such that the robot turns as it should.
 
     Their difference is rounded first (0.5 mm/s off at most), then their mean. Wheels that turn in
-    place stay symmetric, so that it does not creep.
+    place stay symmetric, so that it does not creep (their difference is 1 mm/s off at most).
     """
     mean, difference = (speeds.right + speeds.left) / 2, speeds.right - speeds.left
     if abs(mean) < IN_PLACE:
@@ -138,8 +135,7 @@ class Motion:
             self.stop()
             if state.activity is Activity.DRIVING:
                 self._core.handle(StateEvent.HALTED)
-            # The first of some in a row, unless they end by themselves at once.
-            if not self._refusal_reported and state.activity not in SHORT:
+            if not self._refusal_reported:  # the first of some in a row
                 self._refusal_reported = True
                 self._core.notice(Severity.WARNING, f'not driving: {why}')
         else:
@@ -196,28 +192,20 @@ class Motion:
         """Want the wheels to stand, at once."""
         self._wanted = self._speeds = STOPPED
 
-    @property
-    def stop_sent(self) -> bool:
-        return self._sent == (0, 0)
-
     def resume(self) -> None:
         """Send speeds again, on from those that the robot reports: it may have missed some."""
         self._speeds = WheelSpeeds(*(self._reported or STOPPED))
         self.missed_since = None
-        self._send_again()
+        self.send_again()
 
-    def _send_again(self) -> None:
-        if not self._core.watch.suspects:
+    def send_again(self) -> None:
+        """Send the next speeds even where the robot was sent the same before."""
+        if not self._core.listening.open:
             self._sent = None
 
-    def handled(self, event: StateEvent) -> None:
-        """Stop, or send the speeds again, as an event demands that has changed the state."""
-        if not self._core.state.moving:
-            self.stop()
-        if event not in SPEEDS_HOLD:
-            self._send_again()
-        if event in (StateEvent.ANSWERED, StateEvent.RETURNED, StateEvent.MODE_LEFT):
-            self._refusal_reported = False
+    def warn_again(self) -> None:
+        """Report the next velocity that is refused."""
+        self._refusal_reported = False
 
     def observe(self, readings: oi.Readings, now: float) -> None:
         """
@@ -233,14 +221,14 @@ class Motion:
             return
         self._reported = reported
         if self._sent == reported:
-            if before != reported or not self._core.watch.suspects:
+            if before != reported or not self._core.listening.open:
                 self.missed_since = None
         elif self._sent is not None and now - self._sent_at > REPORT_TIMEOUT:
             if self.missed_since is None:
                 self.missed_since = self._sent_at
                 if reported == (0, 0):
                     self._speeds = STOPPED
-            self._send_again()
+            self.send_again()
 
     def _send_speeds(self, now: float) -> None:
         status = self._core.status
@@ -262,8 +250,8 @@ class Motion:
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
         bumps = self._core.readings.number('bumps_and_wheel_drops', 0) & BUMPS
         blocked = bool(bumps) and limits.bump_stop
-        if self._core.watch.suspects:  # only a stop is sent, and once
-            if self.stop_sent or not blocked and self._wanted != STOPPED:
+        if self._core.listening.open:  # only a stop is sent, and once
+            if self._sent == (0, 0) or not blocked and self._wanted != STOPPED:
                 return None
             self._sent, self._sent_at = (0, 0), now
             return HALT

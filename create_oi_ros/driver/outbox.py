@@ -10,12 +10,14 @@ or when the robot has answered.
 from collections import deque
 from collections.abc import Callable
 from math import inf
-from typing import Generic, NamedTuple, TypeVar
+from typing import NamedTuple
 
 from .. import oi
 
 MODE_COMMANDS = {oi.Mode.PASSIVE: oi.Start, oi.Mode.SAFE: oi.Safe, oi.Mode.FULL: oi.Full}
 HALT = oi.DriveDirect(right=0, left=0)
+DRIVERS_OFF = oi.PwmLowSideDrivers(driver_0=0, driver_1=0, driver_2=0)
+"""Low side drivers may turn motors: they are off whenever a robot was out of reach."""
 DRAIN = bytes(2 * HALT.opcode)
 """Ends any command that was cut short after a `HALT` (manual: "waiting" state).
 
@@ -29,8 +31,8 @@ The first `HALT` may be taken as that rest, even as a speed; then the second one
 docs/reliability.md shows what becomes of each command.
 """
 END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
-DEAD_MAN_STOP = b''.join((
-    HALT.encode(), oi.Start().encode(), DRAIN, HALT.encode(), oi.Start().encode()))
+REST = HALT.encode() + DRIVERS_OFF.encode() + oi.Start().encode()
+DEAD_MAN_STOP = REST + DRAIN + REST
 """Stops a robot whose driver has died, even in the middle of a command."""
 
 
@@ -38,56 +40,40 @@ def farewell(mode: oi.Mode | None, mode_on_exit: oi.Mode) -> list[oi.Command]:
     """Return the last commands of a driver that ends, to a robot in this mode."""
     demo = [END_DEMO] if mode is oi.Mode.PASSIVE else []
     return [
-        HALT, oi.PwmLowSideDrivers(driver_0=0, driver_1=0, driver_2=0), *demo,
+        HALT, DRIVERS_OFF, *demo,
         oi.PauseResumeStream(state=oi.StreamState.PAUSE), MODE_COMMANDS[mode_on_exit]()]
 
 
 class Outcome(NamedTuple):
-    """How a request ended."""
+    """How a request, a goal or a tune ended."""
 
     ok: bool
     text: str
     """For people: what was done; or why it was not done, and what to do."""
-    payload: bytes = b''
-    """The bytes that were asked for: a script."""
 
 
-Result = TypeVar('Result')
+class Pending:
+    """A request, a goal or a tune whose outcome may not be known yet; the first one counts."""
 
-
-class Awaited(Generic[Result]):
-    """A result that may not be known yet. Only the first one counts."""
-
-    __slots__ = ('outcome', '_callbacks')
-
-    def __init__(self, outcome: Result | None = None) -> None:
+    def __init__(self, outcome: Outcome | None = None) -> None:
         self.outcome = outcome
         """None until it is known."""
-        self._callbacks: list[Callable[[Result], None]] = []
+        self._callbacks: list[Callable[[Outcome], None]] = []
 
-    def settle(self, outcome: Result) -> None:
-        """Say what the result is."""
+    def end(self, ok: bool, text: str) -> None:
+        """Say what the outcome is."""
         if self.outcome is None:
-            self.outcome = outcome
+            self.outcome = Outcome(ok, text)
             for callback in self._callbacks:
-                callback(outcome)
+                callback(self.outcome)
             self._callbacks.clear()
 
-    def then(self, callback: Callable[[Result], None]) -> None:
-        """Call back with the result: now if it is known, else as soon as it is."""
+    def then(self, callback: Callable[[Outcome], None]) -> None:
+        """Call back with the outcome: now if it is known, else as soon as it is."""
         if self.outcome is None:
             self._callbacks.append(callback)
         else:
             callback(self.outcome)
-
-
-class Pending(Awaited[Outcome]):
-    """A request whose outcome may not be known yet."""
-
-    __slots__ = ()
-
-    def end(self, ok: bool, text: str, payload: bytes = b'') -> None:
-        self.settle(Outcome(ok, text, payload))
 
 
 def done(text: str) -> Pending:
@@ -111,6 +97,8 @@ class _Queued(NamedTuple):
     request: Pending
     done: str = ''
     """How the request ends once it is written."""
+    rest: float = 0.0
+    """Seconds to leave before it, more than the command before it needs."""
     pause: float = 0.0
     """Seconds to leave after it."""
     moves: bool = False
@@ -127,16 +115,15 @@ class Outbox:
         self._unconfirmed: list[_Queued] = []
         """What was made ready, and is not known to be written."""
 
-    def send(self, command: oi.Command, done: str = '', *, pause: float = 0.0) -> Pending:
+    def send(self, command: oi.Command, done: str = '', *, rest: float = 0.0) -> Pending:
         """
         Queue a command; the request ends with `done` when it is written.
 
         ValueError, and nothing queued, where it is out of range.
         """
-        if command.enters is not None:
-            pause = max(pause, MODE_PAUSE)
-        queued = _Queued(command.encode(), Pending(), done, pause,
-                         isinstance(command, MOTION) and command != END_DEMO)
+        queued = _Queued(
+            command.encode(), Pending(), done, rest, 0.0 if command.enters is None else MODE_PAUSE,
+            isinstance(command, MOTION) and command != END_DEMO)
         self._queue.append(queued)
         return queued.request
 
@@ -173,7 +160,7 @@ class Outbox:
 
     def release(self, now: float) -> None:
         """Make ready what is due."""
-        while self._queue and now >= self._free_at:
+        while self._queue and now >= self._free_at + self._queue[0].rest:
             queued = self._queue.popleft()
             self._ready += queued.encoded
             self._free_at = now + queued.pause

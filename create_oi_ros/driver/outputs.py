@@ -1,137 +1,36 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-LEDs, digital outputs, low side drivers, infrared, songs and tunes: sent, stored, restored.
+LEDs, digital outputs, low side drivers and infrared: sent, and restored.
 
-The robot forgets songs when it is switched off, and its LEDs when the mode changes; it keeps the
-digital outputs. Songs, LEDs and digital outputs are restored. The low side drivers may turn
-motors, so they stay off. Of all these the robot reports only songs; the other replies say what was
-sent.
-
-A tune has more notes than a song of the robot holds, and is played as songs that follow each
-other. Two song numbers that nobody has defined are used in turn: while a song plays, the next is
-stored. The robot ignores Play Song while a song plays (manual: Play Song), so the next one is
-asked for in the frame in which packet 37 falls. No command ends a song: a tune that is canceled
-ends with the song that plays.
-
-An animation of the LEDs is LED commands that follow each other by the driver's time. It ends with
-what `set_leds` has set last.
+The robot forgets its LEDs when the mode changes; it keeps the digital outputs. Both are restored.
+The low side drivers may turn motors: they are switched off when a robot is found again. The robot
+reports none of these: replies say what was sent.
 """
 
-from collections.abc import Generator, Iterator, Sequence
-from itertools import accumulate, chain, count, pairwise
+from collections.abc import Sequence
 
 from .. import oi
-from ..oi.commands import DUTY, NOTE_TIME
-from ..robot import MILLI
+from ..oi.commands import DUTY
 from .core import Core
-from .outbox import done, Pending, refused
+from .outbox import DRIVERS_OFF, Pending, refused
 
-SONGS, MAX_NOTES = 16, 16
-"""How many songs the robot stores, and how many notes one of them holds (manual: Song)."""
-SONG_TIMEOUT = 0.5
-"""Seconds within which the robot must report a song that it was told to play."""
-MIN_SEEN_LENGTH = 0.25
-"""Seconds that a song must take to be in a frame at every usual rate."""
-MAX_NOTE_LENGTH = NOTE_TIME.high / oi.NOTES_PER_SECOND
-"""Seconds that a note can last."""
 FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
-FOREVER = -1
-"""Iterations of a tune that plays until it is canceled."""
-DARK = oi.Leds(bits=0, color=0, intensity=0)
-"""All LEDs off, as they are when the robot enters Safe."""
-MIN_PERIOD, USUAL_PERIOD = 0.3, 1.0
-"""Seconds of a blink or round: at least (ten LED commands a second, 40 bytes), and as a rule."""
-NOT_REPORTED = 'was sent to play, but the robot does not report it: try again'
-NO_ROOM = f'a tune needs two of the {SONGS} songs, and all are defined: define fewer'
-WAIT = 'wait until the topic `song` says that it has ended'
-
-
-class Tune(Pending):
-    """A tune that was given to the driver, and how far it is."""
-
-    def __init__(self, notes: Sequence[oi.Note], iterations: int = 1) -> None:
-        """Play notes so many times, or `FOREVER`."""
-        super().__init__()
-        self.notes = notes
-        self.iterations = iterations
-        self.iterations_played = 0
-        self.note = -1
-        """Place in the tune of the note that sounds; -1 before the first."""
-        self.seconds = 0.0
-        """How long it has played."""
-        # As few songs as hold them, of the same size: none is too short to be seen.
-        songs = -(-len(notes) // MAX_NOTES)
-        bounds = [len(notes) * part // songs for part in range(songs + 1)]
-        self.songs = [notes[low:high] for low, high in zip(bounds, bounds[1:])]
-
-    def follow(self, song: int, since: float) -> None:
-        """Find the note that sounds so many seconds after a song began."""
-        ends = accumulate(note.duration / oi.NOTES_PER_SECOND for note in self.songs[song])
-        sounds = min(sum(end <= since for end in ends), len(self.songs[song]) - 1)
-        self.note = sum(map(len, self.songs[:song])) + sounds
-
-
-def blink(chosen: oi.Leds) -> list[oi.Leds]:
-    """Return the chosen LEDs, and none."""
-    return [chosen, DARK]
-
-
-def spin(chosen: oi.Leds) -> list[oi.Leds]:
-    """Return each of the chosen LEDs alone: Play, Advance, Power."""
-    alone = [oi.Leds(bits=bit, color=0, intensity=0) for bit in oi.LedBits if bit & chosen.bits]
-    power = oi.Leds(bits=0, color=chosen.color, intensity=chosen.intensity)
-    return [*alone, power] if power.intensity else alone
-
-
-class Animation(Pending):
-    """An animation of the LEDs that was given to the driver, and how long it has been shown."""
-
-    def __init__(self, steps: Sequence[oi.Leds], period: float, max_seconds: float) -> None:
-        """Show all steps once in a period, again and again, for so many seconds."""
-        super().__init__()
-        self.steps = steps
-        self.period = period
-        self.max_seconds = max_seconds
-        self.seconds = 0.0
-        """How long it has been shown."""
-
-    @property
-    def step(self) -> oi.Leds:
-        """What is to be shown now."""
-        return self.steps[int(self.seconds / self.period * len(self.steps)) % len(self.steps)]
 
 
 class Outputs:
-    """Everything that a request can set, except mode, wheels, demos and scripts."""
+    """What a request can light, switch or send."""
 
     def __init__(self, core: Core) -> None:
         self._core = core
         self._to_restore: dict[type[oi.Command], oi.Command] = {}
-        self.songs: dict[int, oi.Song] = {}
-        """The songs that were defined, by number."""
-        self._now = 0.0
-        self._player: Pending = done('no song')
-        """A tune, or who waits for a single song to begin."""
-        self._playing: Iterator[None] = iter(())
-        """What is done for that, from poll to poll."""
-        self._number = SONGS
-        """Number of the song that was sent to play."""
-        self._animation: Pending = done('no animation')
-        """The newest animation."""
-        self._animating: Iterator[None] = iter(())
-        """What is done for that, from poll to poll."""
-        self._shown: oi.Leds | None = None
-        """The step of an animation that was sent last; None where the LEDs may show another."""
-
-    # Outputs.
+        self._drivers_set = False
+        """Whether a low side driver was ever set."""
 
     def set_leds(self, leds: oi.Leds) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
-        return self._set(leds, (
-            'these LEDs show after the animation' if self._animation.outcome is None else
-            'LEDs sent'))
+        return self._set(leds, 'LEDs sent')
 
     def set_output(self, name: str, *, high: bool) -> Pending:
         """Set one digital output; the others stay, those that nobody has set are low."""
@@ -151,7 +50,6 @@ class Outputs:
         request = self._core.request(command, done)
         if request.outcome is None:
             self._to_restore[type(command)] = command
-            self._shown = None
         return request
 
     def set_drivers(self, duties: Sequence[float]) -> Pending:
@@ -160,9 +58,19 @@ class Outputs:
             if not 0 <= duty <= 1:
                 return refused(f'driver_{number} = {duty:g}; allowed: 0.0 (off) to 1.0 (on)')
         zero, one, two = (round(duty * FULL_DUTY) for duty in duties)
-        return self._core.request(
+        request = self._core.request(
             oi.PwmLowSideDrivers(driver_0=zero, driver_1=one, driver_2=two),
             f'low side drivers 0, 1, 2 sent: {zero}, {one}, {two} of {FULL_DUTY}')
+        if request.outcome is None:
+            self._drivers_set = True
+            self._to_restore.pop(oi.PwmLowSideDrivers, None)
+        return request
+
+    def switch_drivers_off(self) -> None:
+        """Switch the low side drivers off; in Passive the robot obeys that after its next mode."""
+        self._core.outbox.send(DRIVERS_OFF)
+        if self._drivers_set:
+            self._to_restore[oi.PwmLowSideDrivers] = DRIVERS_OFF
 
     def send_ir(self, character: int) -> Pending:
         """Send an infrared character, 0 to 255."""
@@ -172,216 +80,3 @@ class Outputs:
         """Set LEDs and outputs again: the mode has changed, or the robot was switched off."""
         for command in self._to_restore.values():
             self._core.outbox.send(command)
-        self._shown = None
-
-    def restore_songs(self) -> None:
-        """Store the songs again: the robot may have been switched off."""
-        for song in self.songs.values():
-            self._core.outbox.send(song)
-
-    # Songs.
-
-    def define_song(
-        self, number: int, pitches: Sequence[int], seconds: Sequence[float],
-    ) -> Pending:
-        """Store a song: MIDI numbers, and durations in seconds, rounded to 1/64 s."""
-        try:
-            song = _song(number, pitches, seconds)
-        except ValueError as error:
-            return refused(str(error))
-        request = self._core.request(song, _sent(number, seconds))
-        if request.outcome is None:
-            self.songs[number] = song
-        return request
-
-    def define_and_play(
-        self, number: int, pitches: Sequence[int], seconds: Sequence[float], now: float,
-    ) -> Pending:
-        """Store a song and play it; nothing is stored where it could not be played."""
-        why = self._cannot_play()
-        if why is not None:
-            return refused(why)
-        stored = self.define_song(number, pitches, seconds)
-        if stored.outcome is not None:
-            return stored
-        return self.play_song(number, now, f'{_sent(number, seconds)}; ')
-
-    def play_song(self, number: int, now: float, stored: str = '') -> Pending:
-        """
-        Play a stored song, unless one plays; `stored` is what the outcome's text begins with.
-
-        The request ends when the robot reports the song, or does not in time.
-        """
-        if number not in self.songs:
-            known = ', '.join(map(str, sorted(self.songs))) or 'none yet'
-            return refused(f'song {number} is not defined: call define_song; defined: {known}')
-        why = self._cannot_play()
-        if why is not None:
-            return refused(why)
-        if _seconds(self.songs[number].notes) < MIN_SEEN_LENGTH:
-            return self._core.request(oi.PlaySong(number=number), (
-                f'{stored}song {number} sent to play; it is too short to be seen playing'))
-        request = Pending()
-        self._begin(request, self._play_one(request, number, f'{stored}song {number} plays'), now)
-        return request
-
-    def play_tune(self, tune: Tune, now: float) -> None:
-        """Play a tune; its outcome says how that ended, or why it cannot be played."""
-        why = self._cannot_play()
-        if why is not None:
-            tune.end(False, why)
-        else:
-            self._begin(tune, self._play_all(tune), now)
-
-    def _cannot_play(self) -> str | None:
-        waits = self._player.outcome is None
-        if waits and isinstance(self._player, Tune):
-            return 'a tune plays: cancel its goal, or wait until that has ended'
-        if self._core.readings.number('song_playing', 0):
-            return f'a song plays: {WAIT}'
-        if waits:
-            return f'song {self._number} is about to play: {WAIT}'
-        return self._core.refusal(oi.PlaySong)
-
-    def _begin(self, player: Pending, playing: Iterator[None], now: float) -> None:
-        self._player, self._playing, self._now = player, playing, now
-        next(playing, None)
-
-    def cancel(self, request: Tune | Animation, why: str = 'canceled') -> None:
-        """End a tune or an animation, if it goes on; the song that plays is heard to its end."""
-        if isinstance(request, Tune):
-            why = f'{why}; the song that plays goes on to its end'
-        request.end(False, why)
-
-    def _play_one(self, request: Pending, number: int, text: str) -> Iterator[None]:
-        """Send a song to play, and wait until the robot reports it."""
-        begins = yield from self._begins(number)
-        request.end(begins, text if begins else f'song {number} {NOT_REPORTED}')
-
-    def _play_all(self, tune: Tune) -> Iterator[None]:
-        """Play the songs of a tune; while one plays, the next is stored."""
-        begun_at, number = self._now, self._store(tune.songs[0])
-        rounds = count() if tune.iterations == FOREVER else range(tune.iterations)
-        order = (song for _ in rounds for song in range(len(tune.songs)))
-        for song, following in pairwise(chain(order, (None,))):
-            assert song is not None
-            if number in self.songs:  # somebody has defined it in the meantime
-                number = self._store(tune.songs[song])
-            refusal = self._core.refusal(oi.PlaySong)
-            if number is None or refusal is not None:
-                tune.end(False, NO_ROOM if number is None else
-                         f'the tune ended before its end; {refusal}')
-                return
-            begins = yield from self._begins(number)
-            if not begins and _seconds(tune.songs[song]) >= MIN_SEEN_LENGTH:
-                tune.end(False, f'a song of the tune {NOT_REPORTED}')
-                return
-            since = self._now
-            number = None if following is None else self._store(tune.songs[following])
-            while begins and self._plays:
-                tune.seconds = self._now - begun_at
-                tune.follow(song, self._now - since)
-                yield
-            tune.iterations_played += song == len(tune.songs) - 1
-        tune.end(True, 'the tune was played')
-
-    def _store(self, notes: Sequence[oi.Note]) -> int | None:
-        """Store a song where nobody has one; return its number, None where there is no room."""
-        free = [number for number in range(SONGS)
-                if number not in self.songs and number != self._number]
-        if not free:
-            return None
-        self._core.outbox.send(oi.Song(number=free[-1], notes=tuple(notes)))
-        return free[-1]
-
-    def _begins(self, number: int) -> Generator[None, None, bool]:
-        """Send a song to play; return whether the robot reports it in time."""
-        self._core.outbox.send(oi.PlaySong(number=number))
-        self._number, asked_at = number, self._now
-        while self._now < asked_at + SONG_TIMEOUT:
-            yield
-            if self._plays:
-                return True
-        return False
-
-    @property
-    def _plays(self) -> bool:
-        """Whether the robot reports the song that was sent to play, perhaps without its number."""
-        readings = self._core.readings
-        return bool(readings.number('song_playing', 0)) and (
-            readings.number('song_number', self._number) == self._number)
-
-    # Animations.
-
-    def animate(self, animation: Animation, now: float) -> None:
-        """Show an animation; its outcome says how that ended, or why it cannot be shown."""
-        why = self._core.refusal(oi.Leds) if self._animation.outcome is not None else (
-            'the LEDs are animated: cancel that goal, or wait until it has ended')
-        if why is not None:
-            animation.end(False, why)
-            return
-        self._to_restore.setdefault(oi.Leds, DARK)
-        self._animation, self._animating = animation, self._show(animation, now)
-        self._shown = None
-
-    def _show(self, animation: Animation, begun_at: float) -> Iterator[None]:
-        """Send each step when it is due."""
-        while (seconds := self._now - begun_at) < animation.max_seconds:
-            animation.seconds = seconds
-            why = self._core.refusal(oi.Leds)
-            if why is not None:
-                animation.end(False, f'the animation ended before its end; {why}')
-                return
-            if animation.step != self._shown:
-                self._shown = animation.step
-                self._core.outbox.send(animation.step)
-            yield
-        animation.seconds = animation.max_seconds
-        animation.end(True, 'the animation was shown')
-
-    def poll(self, now: float) -> None:
-        """Go on with a song, a tune and an animation; after it, show the LEDs that were set."""
-        self._now = now
-        if self._player.outcome is None:
-            next(self._playing, None)
-        if self._animation.outcome is None:
-            next(self._animating, None)
-        over = self._animation.outcome is not None
-        if over and self._shown and self._core.refusal(oi.Leds) is None:
-            self._core.outbox.send(self._to_restore[oi.Leds])
-            self._shown = None
-
-    def fail(self, why: str) -> None:
-        """End tune and animation, and the request for a song that has not been reported."""
-        self._player.end(False, why)
-        self._animation.end(False, why)
-
-
-def _seconds(notes: Sequence[oi.Note]) -> float:
-    return sum(note.duration for note in notes) / oi.NOTES_PER_SECOND
-
-
-def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.Song:
-    """Make a song; ValueError says what is wrong that the command itself does not check."""
-    if len(pitches) != len(seconds):
-        raise ValueError(
-            f'{len(pitches)} pitches but {len(seconds)} durations; give one for each note')
-    if len(pitches) > MAX_NOTES:
-        raise ValueError(f'{len(pitches)} notes, but a song holds {MAX_NOTES}: play more by the '
-                         'action audio_note_sequence')
-    for place, length in enumerate(seconds):
-        if not 0 <= length <= MAX_NOTE_LENGTH:
-            raise ValueError(f'seconds[{place}] = {length:g}; allowed: 0 to {MAX_NOTE_LENGTH:g}')
-    lengths = [round(length * oi.NOTES_PER_SECOND) for length in seconds]
-    return oi.Song(number=number, notes=tuple(oi.Note(*note) for note in zip(pitches, lengths)))
-
-
-def _sent(number: int, seconds: Sequence[float]) -> str:
-    """Say that a song was sent, and how rounding to 1/64 s changes its durations."""
-    played = [round(length * oi.NOTES_PER_SECOND) / oi.NOTES_PER_SECOND for length in seconds]
-    worst = max((abs(each - wanted) for each, wanted in zip(played, seconds)), default=0.0)
-    text = f'song {number} sent; it takes {sum(played):.3f} s'
-    if worst >= 0.0005:
-        text += (f', asked for {sum(seconds):.3f} s: notes are rounded to 1/64 s, by '
-                 f'{worst / MILLI:.0f} ms at most')
-    return text

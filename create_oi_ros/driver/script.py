@@ -1,38 +1,31 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Scripts in the robot: stored, played, read back.
+Scripts in the robot: stored and played.
 
 While a script waits, the robot obeys nothing, a stop included, and it does not report the end.
 Whether it loses what it is sent meanwhile or obeys it afterwards is not known, nor how much it can
-keep. So the driver sends, once, a stop and a request for a list of packets that it uses for
-nothing else: a frame with that list shows that the robot listens again and that the wheels stand.
-A robot that keeps what it is sent needs no more. One that loses it is polled by `Probe` from when
-the script should have ended, and is sent stop and request again when it listens.
-
-A stored script is read back as bare bytes between frames. So the stream is paused, the line falls
-silent, and everything that arrives then is the script.
+keep. So the driver sends, once, a stop and a question (`listening`), which a robot that keeps what
+it is sent answers after its script. One that loses it is asked again from when the script should
+have ended. Whichever answer comes, the wheels are stopped.
 
 The last Drive is reported in packets 39 and 40, the last Drive Direct in 41 and 42, and nothing
 tells which of them came last. So a script is followed if it uses only one of them.
 """
 
+from collections.abc import Iterable
+from math import inf
+
 from .. import oi
 from ..oi.commands import wheel_speeds
-from ..oi.script import (
-    can_end,
-    commands_of,
-    duration,
-    endless_wait,
-    open_waits,
-    SCRIPT_LIMIT,
-)
+from ..oi.script import can_end, commands_of, duration, endless_wait, open_waits, SCRIPT_LIMIT
 from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .core import Core
-from .outbox import done, HALT, Pending, refused
+from .listening import ASK_INTERVAL
+from .outbox import HALT, Pending, refused
 from .state import Activity, StateEvent
-from .stream import DRIVE_REQUEST, POLL_INTERVAL, Probe, requested_speeds, StreamPlan
+from .stream import DRIVE_REQUEST, requested_speeds, StreamPlan
 
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""
@@ -41,13 +34,8 @@ Speeds = tuple[float, float]
 """Of the right and the left wheel, m/s."""
 LATE, LATE_FRACTION = 0.1, 0.04
 """Seconds, and part of its time, by which a script may end later than it should."""
-SILENCE = 0.1
-"""Seconds after which the line is silent once the stream was paused."""
-REPLY_TIMEOUT = 0.5
-"""Seconds that the robot may take to begin to send its script."""
 SEPARATION = FIRMWARE_SEPARATION * MM_PER_M
 """Wheel separation that the firmware assumes, mm."""
-DRIVES = 'the robot drives, and could not be told to stop meanwhile: stop it first'
 
 
 class ScriptControl:
@@ -64,17 +52,10 @@ class ScriptControl:
         """Whether the script that played last has set distance and angle to zero as it waited for
         them (manual), so that a part of the motion is missing from them. False where it was not
         followed: then that part is all that is known."""
-        self._due = 0.0
-        """When `poll` has something to do next."""
-        self._probe = Probe(core.outbox, plan)
-        self._end_asked = False
-        """Whether the list that shows the end was asked for."""
-        self.stop_sent = False
-        """Whether a stop was sent since the script was sent to play: another one adds nothing."""
+        self._ask_at = inf
+        """When the robot is asked for the first time whether its script has ended."""
         self._ends_at: float | None = None
         """When the script that plays should end; None where that is not known."""
-        self._reply = bytearray()
-        self._show_request = done('no request')
 
     @property
     def playing(self) -> bool:
@@ -100,26 +81,27 @@ class ScriptControl:
         if why is not None:
             return refused(why)
         core, stored = self._core, self._stored
-        core.outbox.send(CLEARED)
-        core.outbox.send(oi.Stream(packets=self._plan.script.ids))
-        request = core.outbox.send(oi.PlayScript(), 'script sent to play')
-        self._follow()
-        self._due, self._end_asked, self.stop_sent = now + POLL_INTERVAL, False, False
-        self._ends_at, begin = None, self._due + POLL_INTERVAL
+        commands = commands_of(stored) if stored else []
+        self._follow(commands)
+        self._ask_at = now + ASK_INTERVAL
+        self._ends_at, again = None, self._ask_at + ASK_INTERVAL
         takes = None if stored is None or not can_end(stored) else duration(
             stored, core.status.actual or oi.Mode.OFF, SEPARATION)
         if takes is not None:
             self._ends_at = now + takes
-            begin = max(begin, now + takes + LATE + LATE_FRACTION * takes)
-        self._probe.begin(begin)
+            again = max(again, now + takes + LATE + LATE_FRACTION * takes)
+        streamed = [each.packets for each in commands if isinstance(each, oi.Stream)]
+        core.listening.begin(again, [
+            each for each in self._plan.questions if each.ids not in streamed])
         core.handle(StateEvent.SCRIPT_STARTED)
-        return request
+        core.outbox.send(CLEARED)
+        core.outbox.send(oi.Stream(packets=self._plan.script.ids))
+        return core.outbox.send(oi.PlayScript(), 'script sent to play')
 
-    def _follow(self) -> None:
+    def _follow(self, commands: Iterable[oi.Command]) -> None:
         """Find out whether packets can tell how fast the wheels run by the stored script."""
         known = self._stored is not None and self._core.refusal(oi.Drive) is None
-        used: set[type[oi.Command]] = {type(each) for each in commands_of(
-            self._stored)} if self._stored else set()
+        used = set(map(type, commands))
         self._by_drive = oi.Drive in used
         self._followed = known and oi.Script not in used and not (
             self._by_drive and oi.DriveDirect in used)
@@ -128,16 +110,17 @@ class ScriptControl:
 
     def _cannot_play(self, *, force: bool) -> str | None:
         """Say why the stored script is not played, and what to do; None where it may be."""
+        if self._core.state.pursues:
+            return 'a goal runs: cancel it first'
         if self._core.state.moving:
-            return DRIVES
+            return 'the robot drives, and could not be told to stop meanwhile: stop it first'
         if self._stored == oi.Script(script=b''):
             return 'no script is stored: call define_script'
         why = self._core.refusal(oi.PlayScript)
         if why is not None or force:
             return why
         if self._stored is None:
-            return ('the stored script is not known: call define_script, or show_script to see '
-                    'what it is, or set force')
+            return 'the stored script is not known: call define_script, or set force'
         if not can_end(self._stored):
             return ('the stored script plays itself again and may never end; then only the Power '
                     'button stops the robot: set force to play it')
@@ -174,82 +157,21 @@ class ScriptControl:
             right, left = requested_speeds(readings)
         return None if None in (right, left) else (right / MM_PER_M, left / MM_PER_M)
 
-    def end(self) -> None:
-        """Note that the script has ended, or was never sent to be played."""
-        self._plan.asked = None
-        self._core.handle(StateEvent.SCRIPT_ENDED)
-
     @property
     def goes_on(self) -> bool:
         """Whether the script that played last plays itself, so that it may not have ended."""
         return self._stored is not None and not can_end(self._stored)
 
-    # Read back.
-
-    def show(self, now: float) -> Pending:
-        """Read the script back; the outcome's payload is the script's bytes."""
-        why = DRIVES if self._core.state.moving else self._core.refusal(oi.ShowScript)
-        if why is not None:
-            return refused(why)
-        self._core.outbox.send(oi.PauseResumeStream(state=oi.StreamState.PAUSE))
-        self._due, self._show_request = now + SILENCE, Pending()
-        self._core.handle(StateEvent.SHOW_STARTED)
-        return self._show_request
-
-    def receive(self, received: bytes) -> None:
-        """Take in bytes of the script that is being read back."""
-        self._reply += received
-        if not self._reply or len(self._reply) <= self._reply[0]:
-            return
-        try:
-            script = oi.Script.decode(bytes([oi.Script.opcode]) + self._reply)
-            script.encode()
-        except ValueError as error:
-            self._end_show(False, f'the reply came damaged ({error}): try again')
-            return
-        self._stored = script
-        self._end_show(True, _described(script), script.script)
-
-    def _end_show(self, ok: bool, text: str, script: bytes = b'') -> None:
-        self._plan.asked = None
-        self._core.handle(StateEvent.SHOW_ENDED)
-        self._show_request.end(ok, text, script)
-
-    def listens(self) -> None:
-        """Stop a robot that shows that it listens again, and ask whether its script has ended."""
-        if self.playing and self._probe.answered():
-            self._ask_for_end()
-
-    def _ask_for_end(self) -> None:
-        self._core.outbox.send(HALT)
-        self._core.outbox.send(oi.Stream(packets=self._plan.marker.ids))
-
     def poll(self, now: float) -> None:
-        """Advance timers: the next poll of a playing robot, silence, the reply's timeout."""
-        activity, outbox = self._core.state.activity, self._core.outbox
-        if activity is Activity.SILENCING and outbox.busy:
-            self._due = now + SILENCE
-        if now < self._due or outbox.busy:
-            return
-        if activity is Activity.SCRIPT:
-            if not self._end_asked:
-                self._ask_for_end()
-                self._end_asked = True
-            self._probe.poll(now)
-        elif activity is Activity.SILENCING:
-            self._reply.clear()
-            outbox.send(oi.ShowScript())
-            slowest = (1 + SCRIPT_LIMIT) * oi.BITS_PER_BYTE / self._plan.baud
-            self._due = now + REPLY_TIMEOUT + slowest
-            self._core.handle(StateEvent.LINE_SILENT)
-        elif activity is Activity.READING:
-            self._end_show(False, f'the robot sent {len(self._reply)} bytes of its script and '
-                           'then nothing: try again')
+        """Ask for the first time whether the script has ended."""
+        if self.playing and now >= self._ask_at and not self._core.outbox.busy:
+            self._ask_at = inf
+            self._core.outbox.send(HALT)
+            self._core.listening.ask()
 
     def forget(self) -> None:
         """Forget the script: no robot answers, it may have been switched off."""
         self._stored = None
-        self._show_request.end(False, 'the robot was lost while it sent its script')
 
 
 def _described(script: oi.Script) -> str:

@@ -6,14 +6,13 @@ What the driver is doing, as one value, and what leads from one activity to anot
 Everything that changes the activity goes through `State.handle`. `TRANSITIONS` says which events
 lead to another activity, `STAYS` which change nothing. An event that neither lists is a mistake of
 the driver: tests fail, in the field it is logged and changes nothing. What the robot follows and
-takes now, and why a request is refused, follow from the activity. To add one, add a row to each
-table.
+takes now, and why a request is refused, follow from the activity; `CONSEQUENCES` says what the
+driver does after an event. To add an activity or an event, add a row to each table.
 
     CLOSED --OPENED--> CALLING --ANSWERED--> IDLE <--VELOCITY/HALTED--> DRIVING
     CALLING --RETURNED--> HOLDING --HALTED--> IDLE; IDLE, DRIVING, ... --MODE_LEFT--> HOLDING
     IDLE --DEMO_STARTED--> DEMO --DEMO_ENDED--> IDLE
     IDLE --SCRIPT_STARTED--> SCRIPT --SCRIPT_ENDED--> IDLE
-    IDLE --SHOW_STARTED--> SILENCING --LINE_SILENT--> READING --SHOW_ENDED--> IDLE
     IDLE --GOAL_STARTED--> GOAL --DOCKING_STARTED--> DOCKING; both --GOAL_ENDED--> IDLE
     every activity --NO_ANSWER--> CALLING, --PORT_CLOSED--> CLOSED
 """
@@ -33,8 +32,6 @@ class Activity(Enum):
     GOAL = 'a goal runs'
     DOCKING = 'a goal looks for the dock'
     SCRIPT = 'a script plays'
-    SILENCING = 'waiting for the stream to pause'
-    READING = 'reading the stored script'
 
 
 class StateEvent(Enum):
@@ -75,9 +72,6 @@ class StateEvent(Enum):
     GOAL_ENDED = auto()
     SCRIPT_STARTED = auto()
     SCRIPT_ENDED = auto()
-    SHOW_STARTED = auto()
-    LINE_SILENT = auto()
-    SHOW_ENDED = auto()
 
 
 _A, _E = Activity, StateEvent
@@ -86,10 +80,10 @@ TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
     _A.CALLING: {_E.ANSWERED: _A.IDLE, _E.RETURNED: _A.HOLDING},
     _A.IDLE: {
         _E.VELOCITY: _A.DRIVING, _E.GOAL_STARTED: _A.GOAL, _E.MODE_LEFT: _A.HOLDING,
-        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT},
     _A.HOLDING: {
         _E.HALTED: _A.IDLE, _E.MODE_SET: _A.IDLE,
-        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT},
     _A.DRIVING: {
         _E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.PASSIVE_SET: _A.IDLE,
         _E.MODE_LEFT: _A.HOLDING, _E.GOAL_STARTED: _A.GOAL, _E.DEMO_STARTED: _A.DEMO},
@@ -100,16 +94,12 @@ TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
     _A.DOCKING: {
         _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE,
         _E.MODE_SET: _A.IDLE, _E.PASSIVE_SET: _A.IDLE, _E.DEMO_ENDED: _A.IDLE,
-        _E.DEMO_STARTED: _A.DEMO,
-        _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.DEMO_STARTED: _A.DEMO},
     _A.DEMO: {
         _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.MODE_LEFT: _A.HOLDING,
         _E.MODE_SET: _A.IDLE, _E.PASSIVE_SET: _A.IDLE, _E.DEMO_ENDED: _A.IDLE,
-        _E.GOAL_STARTED: _A.GOAL,
-        _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.DEMO_STARTED: _A.DEMO, _E.GOAL_STARTED: _A.GOAL, _E.SCRIPT_STARTED: _A.SCRIPT},
     _A.SCRIPT: {_E.SCRIPT_ENDED: _A.IDLE},
-    _A.SILENCING: {_E.LINE_SILENT: _A.READING, _E.SHOW_ENDED: _A.IDLE},
-    _A.READING: {_E.SHOW_ENDED: _A.IDLE},
 }
 for _activity, _row in TRANSITIONS.items():
     _row[_E.PORT_CLOSED] = _A.CLOSED
@@ -124,20 +114,72 @@ STAYS = {
     _A.DRIVING: {_E.VELOCITY, _E.MODE_ENTERED, _E.MODE_SET, _E.DEMO_ENDED},
     _A.GOAL: {_E.MODE_ENTERED, _E.MODE_SET, _E.DEMO_ENDED},
     _A.DOCKING: {_E.MODE_LEFT, _E.MODE_ENTERED},
-    _A.DEMO: {_E.MODE_ENTERED, _E.DEMO_STARTED},
+    _A.DEMO: {_E.MODE_ENTERED},
     _A.SCRIPT: {_E.STOPPED, _E.MODE_LEFT},
-    _A.SILENCING: {_E.STOPPED, _E.MODE_LEFT},
-    _A.READING: {_E.STOPPED, _E.MODE_LEFT},
 }
 """Events that change nothing in an activity."""
+
+
+class Then(Enum):
+    """What the driver does after an event."""
+
+    STAND = auto()
+    """The wheels are to stand."""
+    AGAIN = auto()
+    """The wheel speeds are sent again, though the robot was sent the same before."""
+    CALL_OFF = auto()
+    """What waits to be sent and would let the robot move by itself is dropped."""
+    FORGET = auto()
+    """Nothing is known of the robot."""
+    FAIL = auto()
+    """Requests that wait for the robot fail."""
+    END = auto()
+    """A goal that runs ends, with the code of the event."""
+    GIVE_BACK = auto()
+    """The mode from before that goal is wanted again; it is entered when the robot may."""
+    RESTORE = auto()
+    """The same, and it is entered now."""
+    WARN = auto()
+    """A velocity that is refused is a warning again."""
+
+
+STAND, AGAIN, CALL_OFF, FORGET, FAIL, END, GIVE_BACK, RESTORE, WARN = Then
+___ = None
+CONSEQUENCES: dict[StateEvent, tuple[Then | None, ...]] = {
+    # event              wheels speeds queued    robot   requests goal mode     warnings
+    _E.OPENED:          (STAND, ___,   CALL_OFF, FORGET, FAIL, ___, ___,       ___),
+    _E.PORT_CLOSED:     (STAND, ___,   CALL_OFF, FORGET, FAIL, END, GIVE_BACK, ___),
+    _E.NO_ANSWER:       (STAND, ___,   CALL_OFF, FORGET, FAIL, END, GIVE_BACK, ___),
+    _E.ANSWERED:        (___,   AGAIN, ___,      ___,    ___,  ___, ___,       WARN),
+    _E.RETURNED:        (___,   AGAIN, ___,      ___,    ___,  ___, ___,       WARN),
+    _E.VELOCITY:        (___,   ___,   ___,      ___,    ___,  ___, ___,       ___),
+    _E.HALTED:          (STAND, ___,   ___,      ___,    ___,  ___, ___,       ___),
+    _E.STOPPED:         (STAND, AGAIN, CALL_OFF, ___,    ___,  END, RESTORE,   ___),
+    _E.RESTED:          (STAND, AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
+    _E.MODE_LEFT:       (STAND, AGAIN, CALL_OFF, ___,    ___,  END, GIVE_BACK, WARN),
+    _E.MODE_ENTERED:    (___,   AGAIN, ___,      ___,    ___,  ___, ___,       ___),
+    _E.MODE_SET:        (___,   AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
+    _E.PASSIVE_SET:     (STAND, AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
+    _E.DEMO_STARTED:    (STAND, AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
+    _E.DEMO_ENDED:      (___,   AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
+    _E.GOAL_STARTED:    (___,   AGAIN, CALL_OFF, ___,    ___,  ___, ___,       ___),
+    _E.DOCKING_STARTED: (STAND, AGAIN, ___,      ___,    ___,  ___, ___,       ___),
+    _E.GOAL_ENDED:      (STAND, AGAIN, CALL_OFF, ___,    ___,  ___, RESTORE,   ___),
+    _E.SCRIPT_STARTED:  (___,   AGAIN, CALL_OFF, ___,    ___,  ___, ___,       ___),
+    _E.SCRIPT_ENDED:    (___,   AGAIN, CALL_OFF, ___,    ___,  ___, ___,       ___),
+}
+"""
+What follows from each event, from left to right; where it changes no activity, only `AGAIN`.
+
+The mode from before a goal is neither given back nor restored where somebody has just asked for
+another: RESTED, MODE_SET, PASSIVE_SET, DEMO_STARTED, DEMO_ENDED.
+"""
 
 REFUSALS = {
     _A.CLOSED: f'{_A.CLOSED.value}: check cable and power, the driver keeps trying',
     _A.CALLING: f'{_A.CALLING.value}: check cable and power, the driver keeps trying',
     _A.SCRIPT: ('a script plays, and the robot obeys nothing while it waits, a stop included '
                 '(perhaps later): let it end, or switch the robot off by its Power button'),
-    _A.SILENCING: 'the stored script is being read: try again',
-    _A.READING: 'the stored script is being read: try again',
 }
 """Why the robot takes no commands now, and what to do; activities not listed take them."""
 DRIVE_REFUSALS = {
@@ -152,13 +194,16 @@ class State:
     def __init__(self, activity: Activity = Activity.CLOSED) -> None:
         self._enter(activity)
 
-    def handle(self, event: StateEvent) -> bool:
-        """Change the activity as the table says; False where no table lists the event."""
+    def handle(self, event: StateEvent) -> tuple[Then, ...] | None:
+        """Change the activity as the table says; return what follows, None where none lists it."""
         before = self.activity
         after = TRANSITIONS[before].get(event)
         if after is not None:
             self._enter(after)
-        return after is not None or event in STAYS[before]
+            return tuple(filter(None, CONSEQUENCES[event]))
+        if event not in STAYS[before]:
+            return None
+        return (AGAIN,) if AGAIN in CONSEQUENCES[event] else ()
 
     def _enter(self, activity: Activity) -> None:
         # Worked out once here, since the driver asks many times in every frame.

@@ -3,14 +3,14 @@
 """
 What must happen with a frame before it is published: check, time stamp, odometry.
 
-What cannot be true is found here: values, jumps, and an angle that stays while the robot turns.
-What else follows from a frame is worked out afterwards, in `machine`. What the odometry has
-learned of the robot is told in the same words by the log, `/diagnostics` and `create_check`.
+What cannot be true is found here: values and jumps. What else follows from a frame is worked out
+afterwards, in `machine`. What the odometry has learned of the robot is told in the same words by
+the log, `/diagnostics` and `create_check`.
 """
 
 from collections import Counter
 from dataclasses import replace
-from math import degrees, inf, isnan, nan
+from math import inf, isnan, nan
 
 from .. import oi
 from ..odometry import (
@@ -43,7 +43,6 @@ from .events import Moved, Severity
 from .frame_clock import FrameClock
 from .motion import BUMPS
 from .script import ScriptControl, Speeds
-from .stream import requested_speeds
 
 BATTERY = {
     'voltage': BATTERY_MILLIVOLTS, 'current': BATTERY_MILLIAMPS,
@@ -59,12 +58,6 @@ MAX_SPEED, MAX_TURN_RATE = 1.0, 450.0
 """m/s and deg/s: twice what the wheels can do, for a robot that is pushed."""
 DISTANCE_SLACK, ANGLE_SLACK = 50, 20
 """mm and degrees that are allowed beyond that, for whole units and late frames."""
-STUCK_ANGLE, STUCK_READINGS = 360.0, 3
-"""Degrees of requested turning, and readings on the way, after which the angle should have
-changed: a long turn may be in a reading that was lost."""
-ANGLE_STUCK = (
-    'the angle does not change though the robot was told to turn: are the wheels blocked? Some '
-    'firmware before 3.4.1 is reported to send a constant 0')
 
 
 class OddValues:
@@ -141,39 +134,6 @@ class JumpCheck:
         self._since = stamp
         return (abs(readings.distance) <= MAX_SPEED * elapsed * MM_PER_M + DISTANCE_SLACK
                 and abs(readings.angle) <= MAX_TURN_RATE * elapsed + ANGLE_SLACK)
-
-
-class TurnCheck:
-    """Notices an angle that never changes though the robot is told to turn."""
-
-    def __init__(self, wheel_separation: float) -> None:
-        """Take the wheel separation in metres."""
-        self._separation = wheel_separation
-        self._requested = 0.0
-        self._readings = 0
-        self.stuck = False
-        """Whether the angle should have changed long ago."""
-
-    def observe(self, readings: oi.Readings, dt: float, *, drives: bool) -> bool:
-        """
-        Take a frame in, `dt` seconds after the last; True when it has just become stuck.
-
-        `drives`: whether the robot follows the speeds that are asked of it.
-        """
-        right, left = requested_speeds(readings)
-        if right == left and not self._requested:
-            return False  # as in most frames
-        if readings.number('angle', 0):
-            self._requested, self._readings, self.stuck = 0.0, 0, False
-            return False
-        if drives and None not in (right, left):
-            self._requested += degrees((right - left) / MM_PER_M / self._separation) * dt
-        if not readings.has('angle'):
-            return False
-        self._readings += 1
-        before = self.stuck
-        self.stuck = self._readings >= STUCK_READINGS and abs(self._requested) > STUCK_ANGLE
-        return self.stuck and not before
 
 
 REPORT_INTERVAL = 5.0

@@ -32,6 +32,8 @@ CHECK_INTERVAL = 0.1
 LEAST_LIFE = 1.0
 """Seconds that a dead-man must have run to be started again."""
 UNGUARDED = 'if this process dies, the robot drives on'
+CLOCK = getattr(time, 'CLOCK_BOOTTIME', time.CLOCK_MONOTONIC)
+"""The driver's clock: `time.monotonic` stands still on Linux while the computer sleeps."""
 
 
 class Session:
@@ -42,6 +44,7 @@ class Session:
         on_failure: Callable[[], None], dead_man: bool = False,
         record: Callable[[RecordKind, bytes | str], None] | None = None,
         open_port: Callable[..., Port] = Port,
+        clock: Callable[[], float] | None = None,
     ) -> None:
         """
         Prepare a session; `start` begins it.
@@ -51,6 +54,7 @@ class Session:
         in the thread that used the driver; in the session's own, its traceback is printed.
         With `dead_man`, a process of its own stops the robot when this one dies. `record` is
         called with all that passes, as `Capture.add`. `open_port` takes what `Port` takes.
+        `clock` returns seconds; by default that of `CLOCK` does.
         """
         self.driver = driver
         self.url = url
@@ -59,6 +63,7 @@ class Session:
         self._wants_dead_man = dead_man
         self._record = record or (lambda kind, content: None)
         self._open_port = open_port
+        self._clock = clock or (lambda: time.clock_gettime(CLOCK))
         self._lock = threading.RLock()
         self.port: Port | None = None
         """The open port; None while there is none. Use it only within a `request`."""
@@ -83,7 +88,7 @@ class Session:
         """Keep the driver to this thread, and give the time; an error ends the session."""
         with self._lock:
             try:
-                yield time.monotonic()
+                yield self._clock()
             except Exception as error:
                 try:
                     self._fail()
@@ -147,7 +152,7 @@ class Session:
     def _stop_robot(self) -> None:
         """Write the driver's last commands, whatever fails; the dead-man's where they fail."""
         try:
-            self.driver.shut_down(time.monotonic())
+            self.driver.shut_down(self._clock())
         finally:
             farewell = self.driver.data_to_send()
             if self.port is not None and farewell:
@@ -218,7 +223,7 @@ class Session:
             self._on_event(Notice(
                 Severity.WARNING, f'{port.url}: no dead-man for this kind of port; {UNGUARDED}'))
             return
-        self._dead_man_started_at = time.monotonic()
+        self._dead_man_started_at = self._clock()
         try:
             self._dead_man = DeadMan(port.descriptor, DEAD_MAN_STOP)
         except OSError as error:

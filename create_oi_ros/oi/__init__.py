@@ -66,14 +66,6 @@ from .commands import (
     WaitTime,
 )
 from .declaration import Command
-from .packets import (
-    BITS_PER_BYTE,
-    Budget,
-    FRAME_LIMIT,
-    GROUPS,
-    HEADER,
-    PacketList,
-    size_of,
-)
+from .packets import BITS_PER_BYTE, Budget, FRAME_LIMIT, GROUPS, HEADER, PacketList, size_of
 from .readings import NAMES, NUMBERS, Packet, PACKETS, Readings
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode

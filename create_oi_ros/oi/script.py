@@ -15,13 +15,16 @@ from collections.abc import Iterable, Iterator
 from math import copysign, degrees, inf
 from typing import NamedTuple
 
-from .codes import Mode
+from .codes import DemoNumber, Mode
 from .commands import (
+    Cover,
+    CoverAndDock,
     Demo,
     Drive,
     DriveDirect,
     PlayScript,
     Script,
+    Spot,
     Start,
     WaitAngle,
     WaitDistance,
@@ -113,12 +116,10 @@ def endless_wait(script: Script, mode: Mode, separation: float) -> EndlessWait |
     """
     Return the first wait that never ends in a script that starts at rest, in this mode.
 
-    The separation is in mm. After a Demo, which moves the robot in its own way, nothing is said.
+    The separation is in mm. Of a wait while a demo moves the robot in its own way nothing is said.
     """
     for place, (command, speeds, seconds) in enumerate(_timed(script, mode, separation), 1):
-        if speeds is None:
-            return None
-        if seconds == inf:
+        if speeds is not None and seconds == inf:
             return EndlessWait(place, command, _reason(command, speeds))
     return None
 
@@ -150,9 +151,9 @@ def _timed(
                     speeds = wheel_speeds(command.velocity, command.radius, separation)
                 case DriveDirect():
                     speeds = WheelSpeeds(command.right, command.left)
-                case Start():
+                case Start() | Demo(demo=DemoNumber.ABORT):
                     speeds = STANDING
-                case Demo():
+                case Demo() | Cover() | CoverAndDock() | Spot():
                     speeds = None
             mode = mode if command.enters is None else command.enters
         yield command, speeds, _wait_time(command, speeds or STANDING, separation)

@@ -3,8 +3,8 @@
 """
 The actions: each declared beside the function that turns its request into what the driver does.
 
-The driver pursues goals, one at a time, and plays tunes and animates LEDs beside them. Here they
-are checked, handed over, reported on and answered. Only a malformed request is rejected, with the
+The driver pursues goals, one at a time, and plays tunes beside them. Here they are checked, handed
+over, reported on and answered. Only a malformed request is rejected, with the
 reason in the log; any other is accepted, and its result says why it could not be done.
 """
 
@@ -18,11 +18,9 @@ from create_oi_msgs.action import (
     Dock,
     DriveArc,
     DriveDistance,
-    LedAnimation,
     NavigateToPosition,
     RotateAngle,
     Undock,
-    WallFollow,
 )
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
@@ -34,9 +32,7 @@ from std_msgs.msg import Header
 from ..driver import Driver, goals
 from ..driver.goal_control import CANCELED, CLIENT_GONE
 from ..driver.goals import Code, Goal, Malformed, Phase
-from ..driver.goals.goal import check_range
-from ..driver.goals.motions import MINUTE
-from ..driver.outputs import Animation, blink, MIN_PERIOD, spin, Tune, USUAL_PERIOD
+from ..driver.songs import Tune
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ..oi.tools.tunes import note_text, parse_tune
@@ -101,45 +97,29 @@ def tune(request: Any) -> Tune:
     return Tune(parse_tune(request.notes), request.iterations)
 
 
-def animation(request: Any) -> Animation:
-    """Return the animation of a request; ValueError says what is wrong."""
-    steps = {request.BLINK_LIGHTS: blink, request.SPIN_LIGHTS: spin}.get(request.animation_type)
-    if steps is None:
-        raise ValueError(f'animation_type = {request.animation_type}; allowed: '
-                         f'{request.BLINK_LIGHTS} (blink), {request.SPIN_LIGHTS} (spin)')
-    if not (request.play or request.advance or request.power_intensity):
-        raise ValueError('no LED is chosen: set play, advance or power_intensity')
-    period = messages.seconds(request.period) or USUAL_PERIOD
-    check_range('period', period, 's', MIN_PERIOD)
-    runtime = messages.seconds(request.max_runtime)
-    check_range('max_runtime', runtime, 's', 0.0)
-    return Animation(steps(messages.leds(request)), period, runtime or MINUTE)
-
-
 def cancel_goal(driver: Driver, goal: Goal, now: float, *, gone: bool) -> None:
     """End a goal, if it has not ended; `gone`: because its client has gone."""
     driver.goals.cancel(goal, now, CLIENT_GONE if gone else CANCELED)
 
 
-def cancel_show(driver: Driver, shown: Tune | Animation, _now: float, *, gone: bool) -> None:
-    """End a tune or an animation, if it has not ended."""
-    driver.outputs.cancel(shown, 'its client has gone' if gone else 'canceled')
+def cancel_tune(driver: Driver, tune: Tune, _now: float, *, gone: bool) -> None:
+    """End a tune, if it has not ended."""
+    driver.songs.cancel(tune, 'its client has gone' if gone else 'canceled')
 
 
 def goal_result(goal: Goal) -> Values:
     """Return how a goal ended; its pose gets a header yet."""
-    ending = goal.outcome
-    assert ending is not None
-    estimate = ending.estimate
-    z, w = of_yaw(estimate.yaw)
-    pose = Pose(position=Point(x=estimate.x, y=estimate.y), orientation=Quaternion(z=z, w=w))
-    return {'success': ending.code is Code.NONE, 'error_code': ending.code,
-            'message': ending.text, 'pose': PoseStamped(pose=pose)}
+    assert goal.outcome is not None
+    at = goal.estimate
+    z, w = of_yaw(at.yaw)
+    pose = Pose(position=Point(x=at.x, y=at.y), orientation=Quaternion(z=z, w=w))
+    return {**answer(goal.outcome), 'error_code': goal.code, 'pose': PoseStamped(pose=pose)}
 
 
-def show_result(shown: Tune | Animation) -> Values:
-    assert shown.outcome is not None
-    return {**answer(shown.outcome), 'runtime': duration(shown.seconds)}
+def tune_result(tune: Tune) -> Values:
+    assert tune.outcome is not None
+    return {**answer(tune.outcome), 'runtime': duration(tune.seconds),
+            'iterations_played': tune.iterations_played}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,17 +171,11 @@ ACTIONS = (
     Action(
         name='dock', type=Dock, about='look for the Home Base and charge there',
         make=lambda goal: goals.Dock(allowance(goal)), feedback=dock_seen,
-        result=lambda goal: {**goal_result(goal), 'is_docked': goal.outcome.docked}),
+        result=lambda goal: {**goal_result(goal), 'is_docked': goal.docked}),
     Action(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
         make=lambda goal: goals.Undock(allowance(goal)),
         feedback=distance_left),
-    Action(
-        name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
-        make=lambda goal: goals.WallFollow(
-            goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
-        feedback=lambda goal: {'engaged': goal.progress.phase is Phase.ENGAGED},
-        result=lambda goal: {**goal_result(goal), 'runtime': duration(goal.outcome.seconds)}),
 )
 """The actions that drive the robot."""
 ALL_ACTIONS = (
@@ -209,16 +183,9 @@ ALL_ACTIONS = (
     Action(
         name='audio_note_sequence', type=AudioNoteSequence,
         about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)',
-        make=tune, start=lambda driver, tune, now: driver.outputs.play_tune(tune, now),
-        cancel=cancel_show, feedback=note_played,
-        news=lambda tune: (tune.iterations_played, tune.note),
-        result=lambda tune: {**show_result(tune), 'iterations_played': tune.iterations_played}),
-    Action(
-        name='led_animation', type=LedAnimation, about='blink LEDs, or light them in turn',
-        make=animation,
-        start=lambda driver, animation, now: driver.outputs.animate(animation, now),
-        cancel=cancel_show, result=show_result, feedback=lambda animation: {
-            'remaining_runtime': duration(animation.max_seconds - animation.seconds)}),
+        make=tune, start=lambda driver, tune, now: driver.songs.play_tune(tune, now),
+        cancel=cancel_tune, feedback=note_played,
+        news=lambda tune: (tune.iterations_played, tune.note), result=tune_result),
 )
 
 
@@ -339,7 +306,7 @@ class Actions:
             return
         with self._session.request() as (driver, now):
             driver.goals.start(goal, now)
-        goal.then(lambda ending: log.info(f'{GOAL_POSE}: {ending.text}'))
+            goal.then(lambda outcome: log.info(f'{GOAL_POSE}: {outcome.text}'))
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         for each in self._pursued:

@@ -15,19 +15,15 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState
 
 from .. import __version__, oi
-from ..driver import BatteryLevel, Health, LinkCounts
+from ..driver import BatteryLevel, Charging, Health, LinkCounts
 from ..driver.goals.goal import bumps
 from ..driver.tracking import in_words
 from . import messages
 from .parameters import Parameters
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
-LOW, EMPTY = 0.2, 0.05
-"""Fractions of the capacity below which the battery must be charged soon, or now."""
 HOT, TOO_HOT = 45, 60
 """Degrees Celsius of the battery that are unusual while charging, and dangerous (guess)."""
-CHARGED = (oi.ChargingState.FULL_CHARGING, oi.ChargingState.TRICKLE,
-           oi.ChargingState.RECONDITIONING, oi.ChargingState.WAITING)
 CHARGE = ('battery_charge', 'battery_capacity')
 BATTERY = ('charging_state', 'voltage', 'current', 'battery_temperature')
 TOUCHED = ('bumps_and_wheel_drops', 'overcurrents', 'charging_sources')
@@ -127,7 +123,7 @@ def battery(health: Health, *, charge_known: bool) -> DiagnosticStatus:
     state = BatteryState()
     messages.battery_state(state, readings, charge_known=charge_known)
     charge, temperature = state.percentage, state.temperature
-    level, message = _battery(readings, charge, temperature, health.battery)
+    level, message = _battery(health, charge, temperature)
     odd = {each: value for each, value in health.odd.items()
            if each in BATTERY or charge_known and each in CHARGE}
     if charge_known and isnan(charge) and not odd and readings.number('battery_charge', 0):
@@ -145,23 +141,25 @@ def _known(number: float, digits: int | None = None) -> float | str:
     return 'not known' if isnan(number) else round(number, digits)
 
 
-def _battery(readings: oi.Readings, charge: float, temperature: float,
-             watched: BatteryLevel) -> tuple[bytes, str]:
+def _battery(health: Health, charge: float, temperature: float) -> tuple[bytes, str]:
+    readings, mode, charging = health.readings, health.mode, health.charging
     if readings.charging_state == oi.ChargingState.FAULT:
         return ERROR, 'charging fault: check battery and charger'
     if temperature >= TOO_HOT:
         return ERROR, f'{temperature:.0f} degrees Celsius: switch it off'
-    if readings.charging_state in CHARGED:
-        return OK, 'on the charger'
-    mode = readings.oi_mode
-    if readings.charging_sources and mode is not None and mode in oi.ACTUATE:
-        return WARN, f'does not charge in {mode.name}: call set_mode with PASSIVE'
-    if charge < EMPTY or watched is BatteryLevel.EMPTY:
-        return ERROR, 'empty: charge it now'
-    if charge < LOW or watched is BatteryLevel.LOW:
-        return WARN, 'low: charge it soon'
+    fails = f'; it {charging.value}' if charging is Charging.FAILS else ''
+    if fails and mode.can_drive:
+        fails += f' in {mode.name}: call set_mode with PASSIVE'
+    if health.battery is BatteryLevel.EMPTY:
+        return ERROR, f'empty: charge it now{fails}'
+    if health.battery is BatteryLevel.LOW:
+        return WARN, f'low: charge it soon{fails}'
     if temperature >= HOT:
         return WARN, f'hot, {temperature:.0f} degrees Celsius: let it cool'
+    if fails:
+        return WARN, f'on the charger{fails}'
+    if charging is not Charging.NO_CHARGER:
+        return OK, f'on the charger; it {charging.value}'
     return OK, 'charge not known' if isnan(charge) else 'charged enough'
 
 
@@ -176,8 +174,6 @@ def driver(
         level, message = WARN, 'the robot shows no sign that it obeys: does it wait (a script)?'
     elif health.answered and health.busy is not None:
         level, message = WARN, health.busy
-    elif health.angle_stuck:
-        level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'
     elif contested:
         level, message = WARN, f'{len(publishers)} nodes publish cmd_vel: the newest command wins'
     return status('driver', level, message, {

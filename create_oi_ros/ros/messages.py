@@ -9,7 +9,7 @@ and filled again: `odometry(message, estimate)` sets the fields that change, for
 
 from collections.abc import Callable, Mapping
 from enum import IntFlag
-from math import atan2, cos, nan, remainder, sin, tau
+from math import atan2, cos, isnan, nan, remainder, sin, tau
 from numbers import Integral, Real
 from typing import Any
 
@@ -24,11 +24,11 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from .. import oi
-from ..driver import ModeStatus
+from ..driver import battery, Charging, ModeStatus
 from ..driver.events import NO_ROBOT
 from ..odometry import Estimate
 from ..oi import ChargingState, DigitalInputs, Infrared, Readings
-from ..robot import MILLI, MOST_CHARGE
+from ..robot import MILLI
 
 NANOSECONDS = 1_000_000_000
 NOT_MEASURED = 1e6
@@ -150,15 +150,14 @@ def cliff(message: msg.Cliff, readings: Readings) -> None:
         setattr(message, f'{side}_signal', signal)
 
 
-CHARGING: dict[ChargingState | None, int] = {
-    None: BatteryState.POWER_SUPPLY_STATUS_UNKNOWN,
-    ChargingState.RECONDITIONING: BatteryState.POWER_SUPPLY_STATUS_CHARGING,
-    ChargingState.FULL_CHARGING: BatteryState.POWER_SUPPLY_STATUS_CHARGING,
-    ChargingState.TRICKLE: BatteryState.POWER_SUPPLY_STATUS_FULL,
-    ChargingState.WAITING: BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING,
-    ChargingState.FAULT: BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING,
+CHARGING = {
+    Charging.NO_CHARGER: BatteryState.POWER_SUPPLY_STATUS_DISCHARGING,
+    Charging.CHARGES: BatteryState.POWER_SUPPLY_STATUS_CHARGING,
+    Charging.FULL: BatteryState.POWER_SUPPLY_STATUS_FULL,
+    Charging.FAILS: BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING,
+    Charging.UNKNOWN: BatteryState.POWER_SUPPLY_STATUS_UNKNOWN,
 }
-"""Power supply status of a charging state; any other state is discharging."""
+"""Power supply status of what a charger does."""
 
 
 def battery_state(message: BatteryState, readings: Readings, *, charge_known: bool = True) -> None:
@@ -168,23 +167,19 @@ def battery_state(message: BatteryState, readings: Readings, *, charge_known: bo
     The charge of the alkaline pack is not known (manual: Battery Charge). Real robots may report
     a charge a little above the capacity, and a capacity of 0; far above, the charge is not known.
     """
-    state, degrees = readings.charging_state, readings.battery_temperature
-    charge, capacity = nan, nan
-    if charge_known and readings.battery_capacity:
-        charge = _milli(readings.battery_charge)
-        capacity = readings.battery_capacity * MILLI
-        if charge > MOST_CHARGE * capacity:
-            charge = nan
+    degrees = readings.battery_temperature
+    fraction = battery.charge_fraction(readings) if charge_known else nan
     message.present = True
     message.voltage, message.current = _milli(readings.voltage), _milli(readings.current)
     message.temperature = nan if degrees is None else float(degrees)
-    message.charge, message.capacity, message.design_capacity = charge, capacity, nan
-    message.percentage = min(charge / capacity, 1.0)
-    message.power_supply_status = CHARGING.get(state, message.POWER_SUPPLY_STATUS_DISCHARGING)
-    if state == ChargingState.NOT_CHARGING and readings.charging_sources:
-        message.power_supply_status = message.POWER_SUPPLY_STATUS_NOT_CHARGING
+    message.charge = nan if isnan(fraction) else _milli(readings.battery_charge)
+    message.capacity = readings.battery_capacity * MILLI if (
+        charge_known and readings.battery_capacity) else nan
+    message.design_capacity, message.percentage = nan, fraction
+    message.power_supply_status = CHARGING[battery.charging(readings)]
     message.power_supply_health = (
-        message.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if state == ChargingState.FAULT
+        message.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE
+        if readings.charging_state == ChargingState.FAULT
         else message.POWER_SUPPLY_HEALTH_UNKNOWN)
     message.power_supply_technology = (
         message.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known

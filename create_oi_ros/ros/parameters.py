@@ -46,7 +46,7 @@ class Parameters:
     port: str = parameter(
         '/dev/ttyUSB0', 'Serial device of the robot, or a pyserial URL (socket://HOST:PORT)')
     baud: int = parameter(
-        Settings.baud, 'Baud rate, bit/s; 0 looks for the robot at 57600, 19200, then the others',
+        Settings.baud, 'Baud rate, bit/s; 0 looks for the robot at 57600, 19200 and 115200',
         choices=(0, *BAUDS))
     mode_on_start: str = parameter(
         Settings.mode_on_start.name.lower(), 'Mode that the robot is put into',
@@ -125,11 +125,11 @@ class Parameters:
         'nimh', 'Battery in the robot; the charge of an alkaline pack is not known',
         choices=('nimh', 'alkaline'))
     battery_low: float = parameter(
-        Settings.battery_low, 'Voltage below which the battery is reported as low, V',
-        low=0.0, high=20.0)
+        Settings.battery_low, 'Voltage below which the battery is reported as low, V; a charge '
+        'below 20 % is, too', low=0.0, high=20.0)
     battery_empty: float = parameter(
-        Settings.battery_empty, 'Voltage below which it is reported as nearly empty, V',
-        low=0.0, high=20.0)
+        Settings.battery_empty, 'Voltage below which it is reported as nearly empty, V; a charge '
+        'below 5 % is, too', low=0.0, high=20.0)
     low_battery_action: str = parameter(
         Settings.low_battery_action.value, 'What to do when the battery is nearly empty: nothing, '
         'stop in Passive, or look for the dock', choices=tuple(ACTIONS))
@@ -150,6 +150,7 @@ class Parameters:
             baud=self.baud, mode_on_start=START_MODES[self.mode_on_start],
             mode_on_exit=START_MODES[self.mode_on_exit], recover_mode=self.recover_mode,
             battery_low=self.battery_low, battery_empty=self.battery_empty,
+            charge_known=self.charge_known,
             low_battery_action=ACTIONS[self.low_battery_action],
             reset_when_not_charging=self.reset_when_not_charging,
             dock_pose=pose(self.dock_pose), output_names=self.output_names,

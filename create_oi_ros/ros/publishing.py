@@ -26,6 +26,7 @@ from std_msgs.msg import Header
 
 from ..driver import Moved
 from ..driver.contacts import Contacts
+from ..link.session import CLOCK
 from ..oi import Readings
 from ..robot import SLOT
 from . import messages, topics
@@ -97,8 +98,8 @@ class StampClock:
     def _measured(self) -> int:
         """Return by how many nanoseconds the node's clock is ahead of the driver's."""
         for _ in range(CLOCK_TRIES):
-            before, now = time.monotonic_ns(), self._clock.now().nanoseconds
-            after = time.monotonic_ns()
+            before, now = time.clock_gettime_ns(CLOCK), self._clock.now().nanoseconds
+            after = time.clock_gettime_ns(CLOCK)
             # On a busy computer much time may pass between reading two clocks.
             if after - before < CLOCK_SPREAD * messages.NANOSECONDS:
                 break

@@ -8,10 +8,9 @@ driver knows the outcome.
 """
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from create_oi_msgs import srv
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -22,23 +21,21 @@ from std_srvs.srv import Trigger
 
 from .. import oi
 from ..driver import Driver, Outcome, Pending
-from ..driver.outbox import Awaited, refused
+from ..driver.outbox import refused
 from ..link.session import Session
-from ..oi.script import commands_of
-from ..oi.tools.text import format_command, parse_script
+from ..oi.tools.text import parse_script
 from . import messages
 from .messages import Values, yaw_of
 from .odometry_model import ModelKeeper
 
-Result = TypeVar('Result')
 QUEUE = QoSProfile(depth=200)
 """Requests that may arrive at once; more than the depth are never answered (ROS default: 10)."""
 
 
 def define_song(driver: Driver, request: srv.DefineSong.Request, now: float) -> Pending:
     song = request.number, list(request.pitches), list(request.seconds)
-    return (driver.outputs.define_and_play(*song, now) if request.play
-            else driver.outputs.define_song(*song))
+    return (driver.songs.define_and_play(*song, now) if request.play
+            else driver.songs.define(*song))
 
 
 def set_digital_outputs(
@@ -65,15 +62,6 @@ def answer(outcome: Outcome) -> Values:
     return {'success': outcome.ok, 'message': outcome.text}
 
 
-def script_answer(outcome: Outcome) -> Values:
-    """Return the script that the robot has sent, as fields of a response."""
-    values = {**answer(outcome), 'code': outcome.payload}
-    script = oi.Script(script=outcome.payload)
-    with suppress(ValueError):  # where its bytes are no commands, there is no text
-        values['text'] = ''.join(f'{format_command(each)}\n' for each in commands_of(script))
-    return values
-
-
 @dataclass(frozen=True, kw_only=True)
 class Service:
     """One service."""
@@ -83,8 +71,6 @@ class Service:
     about: str
     request: Callable[[Driver, Any, float], Pending] | None
     """Hands a request to the driver, with the time, s; None: it is not for the driver."""
-    answer: Callable[[Outcome], Values] = answer
-    """Returns the fields of the response."""
 
 
 SERVICES = (
@@ -112,7 +98,7 @@ SERVICES = (
         about='store a song as MIDI numbers and seconds, and play it if `play` is set'),
     Service(
         name='play_song', type=srv.PlaySong,
-        request=lambda driver, request, now: driver.outputs.play_song(request.number, now),
+        request=lambda driver, request, now: driver.songs.play(request.number, now),
         about='play a song that was stored'),
     Service(
         name='set_leds', type=srv.SetLeds,
@@ -150,10 +136,6 @@ SERVICES = (
         name='play_script', type=srv.PlayScript,
         request=lambda driver, request, now: driver.scripts.play(now, force=request.force),
         about='play the stored script; one that cannot end only by `force`'),
-    Service(
-        name='show_script', type=srv.ShowScript, answer=script_answer,
-        request=lambda driver, _, now: driver.scripts.show(now),
-        about='read the stored script back'),
 )
 """All services."""
 
@@ -177,16 +159,16 @@ async def serve(node: Node, session: Session, model: ModelKeeper, service: Servi
         with session.request() as (driver, now):
             ended = future_of(service.request(driver, request, now), node)
         outcome = await ended
-    return type(response)(**service.answer(outcome))
+    return type(response)(**answer(outcome))
 
 
-def future_of(awaited: Awaited[Result], node: Node) -> Future:
-    """Return a future of a result; the thread that brings it wakes the node."""
+def future_of(pending: Pending, node: Node) -> Future:
+    """Return a future of an outcome; the thread that brings it wakes the node."""
     ended = Future()
 
-    def end(result: Result) -> None:
-        ended.set_result(result)
+    def end(outcome: Outcome) -> None:
+        ended.set_result(outcome)
         if node.executor is not None:
             node.executor.wake()
-    awaited.then(end)
+    pending.then(end)
     return ended

@@ -159,7 +159,6 @@ GOOD_GOALS = {
     'drive_arc': {'angle': 1.5, 'radius': 0.4, 'translate_direction': -1},
     'navigate_to_position': {'goal_pose': {'pose': {'position': {'x': 1, 'y': -2.5}}}},
     'dock': {}, 'undock': {},
-    'wall_follow': {'follow_side': -1, 'max_runtime': {'sec': 30}},
     'audio_note_sequence': {'notes': 'C4:1/4 60:0.5'},
 }
 GOOD_CALLS = {
@@ -209,7 +208,7 @@ def test_a_value_out_of_range_is_refused_and_what_is_allowed_is_said(type_, name
       "{'type': 'stop'}"), 'no JSON'),
     (('1', 'null', '[]', '"stop"', '["type"]'), 'a JSON object'),
     (map(json.dumps, ({'type': type_} for type_ in (
-        None, 1, [], {}, '', 'Drive', '__class__', 'drive ', 'led_animation'))),
+        None, 1, [], {}, '', 'Drive', '__class__', 'drive '))),
      'unknown type; allowed: drive, release, take_over')])
 def test_what_is_no_message_is_refused_with_what_is_allowed(texts, why):
     for text in texts:

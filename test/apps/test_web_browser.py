@@ -21,7 +21,7 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from create_oi_ros.driver.goal_control import COMMANDED, TAKEN_OVER
-from create_oi_ros.driver.outputs import WAIT
+from create_oi_ros.driver.songs import WAIT
 from create_oi_ros.driver.state import Activity, DRIVE_REFUSALS, REFUSALS, StateEvent
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import parse

@@ -64,8 +64,6 @@ def test_goals_are_sent_watched_and_reached(robot, opened):
     place = {'pose': {'position': {'x': x + 0.05, 'y': y}}}
     reply = pursued(page, 'navigate_to_position', goal_pose=place)
     assert reply['ok'], reply
-    reply = pursued(page, 'wall_follow', follow_side=-1, max_runtime={'sec': 1})
-    assert reply['ok'], reply
     page.send('dock')
     page.until(lambda: page.replies or (
         goal_of(page).get('feedback') or {}).get('sees_dock') is False)

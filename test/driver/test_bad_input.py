@@ -91,7 +91,7 @@ class Desk:
         """Return what a refused request must leave as it is."""
         robot = self.loop.robot
         return (robot.mode, robot.demo, robot.lights, robot.outputs, robot.actuators.wheels,
-                self.loop.body.truth().pose, dict(self.loop.driver.outputs.songs))
+                self.loop.body.truth().pose, dict(self.loop.driver.songs.defined))
 
 
 def legal_commands(heard: bytes) -> list[oi.Command]:
@@ -175,7 +175,7 @@ def test_a_goal_is_malformed_in_words_or_pursued_by_legal_commands(action, data)
     goals.cancel(running, desk.loop.now)
     desk.loop.run(0.1)
     legal_commands(desk.loop.heard)
-    assert running.outcome.code in (Code.NONE, Code.TIMEOUT, Code.NO_DOCK, Code.CANCELED)
+    assert running.code in (Code.NONE, Code.TIMEOUT, Code.NO_DOCK, Code.CANCELED)
     assert desk.loop.robot.actuators.wheels == (0, 0)
 
 

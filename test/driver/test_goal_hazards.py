@@ -2,16 +2,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goals that a bumper, a cliff, a wheel that drops or a stall ends."""
 
+from dataclasses import replace
 
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits
-from create_oi_ros.driver.goals import Code, WallFollow
+from create_oi_ros.driver.goals import Code
 from create_oi_ros.driver.goals.goal import Stall, StoppingModel, View
-from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
-from support.goals import angle, arc, distance, ended, met, moving, place, pursue, until_ended
+from create_oi_ros.robot import Rounding
+from create_oi_ros.sim.body.config import DEFAULT_BODY
+from support.goals import (
+    angle,
+    arc,
+    distance,
+    ended,
+    met,
+    moving,
+    place,
+    pursue,
+    start,
+    until_ended,
+)
+from support.loop import Loop
 
 
 @pytest.mark.parametrize(('side', 'where'), [
@@ -83,7 +97,7 @@ def test_safe_mode_itself_may_end_a_way_back_at_a_cliff():
     assert 'call set_mode with SAFE, then drive backwards' in ending.text
 
 
-@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: WallFollow(-1, 60.0, 0.0)])
+@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: angle(300)])
 def test_a_wheel_that_drops_ends_a_motion(make):
     loop = met()
     running = moving(loop, make())
@@ -129,7 +143,7 @@ def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it(speed):
 
 @pytest.mark.parametrize('most', [0.0, 0.0004])
 def test_a_robot_that_may_not_turn_its_wheels_says_so(most):
-    for goal in (distance(0.1), angle(10), WallFollow(-1, 5.0, 0.0)):
+    for goal in (distance(0.1), angle(10)):
         ending = pursue(met(MotionLimits(max_wheel_speed=most)), goal)
         assert ending.code is Code.STALL
         assert 'max_wheel_speed is 0' in ending.text
@@ -151,28 +165,71 @@ def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(wheel):
         assert running.outcome is None
     loop.body.force(**{wheel: 1})
     loop.run(0.55)
-    assert running.outcome.code is Code.STALL
+    assert running.code is Code.STALL
 
 
-def view(dt: float, estimate: Estimate) -> View:
-    """Return what a goal is told of a frame, of a robot that feels nothing."""
-    return View(0.0, dt, estimate, oi.Readings({'overcurrents': 0}), False,
+RIGHT_LEFT = tuple[int, int]
+"""mm/s of the wheels."""
+
+
+def view(asked: RIGHT_LEFT, counted: RIGHT_LEFT | None = None) -> View:
+    """Return what a goal is told of a frame; `counted`: mm and degrees of a reading."""
+    distance, angle = counted or (0, 0)
+    readings = oi.Readings({
+        'overcurrents': 0, 'requested_right_velocity': asked[0],
+        'requested_left_velocity': asked[1], 'distance': distance, 'angle': angle})
+    return View(0.0, 0.125, Estimate(), readings, counted is not None,
                 MotionLimits(wheel_separation=0.25), StoppingModel(), StoppingModel())
 
 
-@pytest.mark.parametrize(('told', 'went', 'frame'), [
-    (Velocity(0.2, 0.0), Velocity(), 16),  # after two seconds
-    (Velocity(-0.2, 0.0), Velocity(), 16),
-    (Velocity(0.04, 0.0), Velocity(), 30),  # after 15 cm
-    (Velocity(0.0, 0.32), Velocity(), 30), (Velocity(0.0, -0.32), Velocity(), 30),
-    (Velocity(0.02, 0.16), Velocity(), 30),  # of the faster wheel
-    (Velocity(0.2, 0.0), Velocity(0.0599, 0.0), 16), (Velocity(0.2, 0.0), Velocity(0.06, 0.0), 0),
-    (Velocity(0.2, 0.0), Velocity(-0.06, 0.0), 0),
-    (Velocity(0.0, 1.6), Velocity(0.0, 0.479), 16), (Velocity(0.0, 1.6), Velocity(0.0, -0.48), 0),
-    (Velocity(0.1, 0.8), Velocity(0.03, 0.24), 0), (Velocity(), Velocity(), 0)])
-def test_wheels_that_go_less_than_a_third_of_what_they_were_told_stall(told, went, frame):
-    stall, estimate = Stall(), Estimate(linear=went.linear, angular=went.angular)
-    for _ in range(16):  # what follows counts anew
-        assert stall.check(view(0.125, Estimate(linear=0.2)), Velocity(0.2, 0.0)) is None
-    stalled = [number for number in range(1, 41) if stall.check(view(0.125, estimate), told)]
-    assert stalled[:1] == [frame] * bool(frame)
+@pytest.mark.parametrize(('asked', 'counted', 'second'), [
+    ((200, 200), (0, 0), 2), ((-200, -200), (0, 0), 2),  # after two seconds
+    ((40, 40), (0, 0), 4), ((40, -40), (0, 0), 4), ((0, 40), (0, 0), 4),  # after 15 cm of a wheel
+    ((200, 200), (55, 0), 2), ((200, 200), (58, 0), None), ((200, 200), (-58, 0), None),
+    ((200, -200), (0, 25), 2), ((200, -200), (0, -27), None),
+    ((10, 10), (0, 0), None), ((1, -1), (0, 0), None),  # rounding may hide as much
+    ((0, 0), (0, 0), None)])
+def test_wheels_that_count_less_than_a_third_of_what_they_are_asked_stall(asked, counted, second):
+    stall = Stall()
+    for frame in range(1, 1 + 8 * 40):
+        reading = counted if frame % 8 == 0 else None
+        over = stall.check(view(asked, reading))
+        assert over is None or frame == 8 * second
+        if over is not None:
+            assert over.code is Code.STALL
+            return
+    assert second is None
+
+
+@pytest.mark.parametrize('make', [
+    lambda: distance(0.7), lambda: angle(120, 1.0), lambda: arc(90, 0.3), lambda: place(0.5, 0.2),
+    lambda: distance(-0.6)], ids=['distance', 'angle', 'arc', 'place', 'back'])
+@pytest.mark.parametrize('limits', [
+    MotionLimits(max_wheel_speed=0.03), MotionLimits(max_wheel_speed=0.012),
+    MotionLimits(linear_acceleration=0.01, angular_acceleration=0.05)],
+    ids=['slow', 'slower', 'lazy'])
+def test_a_robot_that_is_made_slow_while_a_goal_runs_is_not_taken_for_a_held_one(make, limits):
+    loop = met()
+    running = start(loop, make())
+    loop.run(0.4)
+    loop.driver.set_limits(limits)
+    running.allowance = 400.0
+    loop.run(20.0)
+    assert running.outcome is None or running.code is Code.NONE, running.outcome
+
+
+@pytest.mark.parametrize('rounding', list(Rounding))
+@pytest.mark.parametrize('make', [
+    lambda: distance(0.5, 0.013), lambda: angle(100, 0.05), lambda: angle(-100, 0.012)])
+def test_a_slow_goal_is_not_taken_for_a_held_robot(make, rounding):
+    loop = Loop(rounding=rounding)
+    loop.run(1.0)
+    running = start(loop, make())
+    loop.run(30.0)
+    assert running.outcome is None or running.code is Code.NONE, running.outcome
+
+
+def test_a_robot_with_half_the_speed_is_not_taken_for_a_held_one():
+    loop = Loop(config=replace(DEFAULT_BODY, right_speed_gain=0.45, left_speed_gain=0.45))
+    loop.run(1.0)
+    assert pursue(loop, distance(0.6, 0.2)).code is Code.NONE

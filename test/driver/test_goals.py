@@ -14,9 +14,7 @@ from create_oi_ros.driver.goals import (
     Code,
     DriveArc,
     Malformed,
-    Phase,
     RotateAngle,
-    WallFollow,
 )
 from create_oi_ros.driver.goals.goal import Instruction, StoppingModel, View
 from create_oi_ros.driver.goals.legs import Straight
@@ -24,8 +22,7 @@ from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
-from create_oi_ros.sim.world import parse, shipped
-from support.goals import angle, arc, distance, place, pursue, reach, start, until_ended
+from support.goals import angle, arc, distance, place, pursue, reach, start
 from support.loop import Loop, texts, turn_difference
 
 
@@ -176,39 +173,11 @@ def test_a_goal_that_is_reached_already_ends_at_once():
     (lambda: place(nan, 0), 'goal_pose.position.x = nan m is not finite'),
     (lambda: place(0, 1e7), 'goal_pose.position.y = 1e+07 m; allowed'),
     (lambda: place(0, 0, nan), 'heading of goal_pose = nan rad is not finite'),
-    (lambda: WallFollow(1, 10.0, 0.0), 'follow_side = 1; allowed: -1, the right'),
-    (lambda: WallFollow(-1, -1.0, 0.0), 'max_runtime = -1 s; allowed: 0 or more'),
 ])
 def test_a_malformed_goal_is_refused_in_words(make, says):
     with pytest.raises(Malformed) as refused:
         make()
     assert says in str(refused.value)
-
-
-# Following a wall.
-
-
-def test_a_wall_on_the_right_is_followed():
-    world = parse('start 0 -0.31 0\nwall -1 -0.5 6 -0.5', 'test')
-    loop = met(world=world)
-    running, engaged = start(loop, WallFollow(-1, 12.0, 0.0)), []
-    while running.outcome is None:
-        loop.turn()
-        engaged.append(running.progress.phase is Phase.ENGAGED)
-    assert running.outcome.code is Code.NONE
-    assert running.outcome.seconds == pytest.approx(12.0, abs=0.1)
-    truth = loop.body.truth()
-    assert truth.pose.x > 1.0
-    assert truth.pose.y == pytest.approx(-0.5 + 0.165 + 0.06, abs=0.06)
-    assert sum(engaged) > 0.8 * len(engaged)
-
-
-def test_a_wall_ahead_is_found_by_touching_it_and_followed_round_the_room():
-    loop = met(world=shipped('room'))
-    running = start(loop, WallFollow(-1, 60.0, 0.0))
-    ending = until_ended(loop, running)
-    assert ending.code is Code.NONE
-    assert loop.body.truth().travelled > 4.0
 
 
 # The speed along one way, frame by frame: faster, slower, stop, settle, correct.
@@ -253,13 +222,12 @@ def frames_until_moving(begun: Straight, frame: View) -> int:
     return count
 
 
-@pytest.mark.parametrize(('way', 'coast', 'push'), [(9.0, 0.8, 3.0), (-1.0, 0.03, 0.3)])
-def test_a_coast_or_a_push_that_cannot_be_is_not_believed(way, coast, push):
+@pytest.mark.parametrize(('way', 'coast'), [(9.0, 0.8), (-1.0, 0.03)])
+def test_a_coast_that_cannot_be_is_not_believed(way, coast):
     learned = StoppingModel()
     for _ in range(50):
         learned.stopped(0.3, way)
-        learned.pushed(0.01, way / 10)
-    assert (learned.coast, learned.push) == pytest.approx((coast, push), abs=0.001)
+    assert learned.coast == pytest.approx(coast, abs=0.001)
 
 
 @pytest.mark.parametrize('sign', [1, -1])
@@ -293,20 +261,6 @@ def test_a_correction_that_moves_nothing_is_none_and_the_next_is_faster(way, sig
         left = at(sign * (0.0 if speed and way > 0.02 else way), sign * 0.03 if speed else 0.0)
     assert told == pytest.approx(
         [sign * speed for speed in (0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.08, 0.08)])
-
-
-@pytest.mark.parametrize('sign', [1, -1])
-def test_a_push_that_led_too_far_makes_the_next_one_shorter(sign):
-    learned = StoppingModel()
-    begun = stopped(0.0, learned=learned)
-    frames_until_moving(begun, at(sign * 0.015))
-    while step(begun, at(sign * 0.015, dt=0.01)):
-        pass
-    told = [step(begun, at(-sign * 0.015, dt=0.01, measured=True)) for _ in range(200)]
-    assert told.count(-sign * 0.03) == round(50 / learned.push)
-    expected = StoppingModel()
-    expected.pushed(0.015, 0.03)
-    assert learned.push == pytest.approx(expected.push)
 
 
 def test_how_long_a_way_takes_at_most():

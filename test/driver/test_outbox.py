@@ -53,22 +53,31 @@ def test_what_was_not_written_is_lost_and_never_leaves() -> None:
     written = outbox.send(OFF, 'off')
     outbox.release(8.0)
     outbox.confirm()
-    ready, queued = outbox.send(oi.Safe(), 'safe', pause=9.0), outbox.send(OFF, 'off')
+    ready, queued = outbox.send(oi.Safe(), 'safe'), outbox.send(OFF, 'off', rest=9.0)
     outbox.send(OFF)
     outbox.release(8.5)
     outbox.clear()
-    assert written.outcome == (True, 'off', b'')
-    assert ready.outcome == queued.outcome == (False, LOST, b'')
+    assert written.outcome == (True, 'off')
+    assert ready.outcome == queued.outcome == (False, LOST)
     assert not outbox.busy and released(outbox, 30.0) == b''
     outbox.confirm()
-    outbox.send(oi.Safe(), pause=9.0)
+    outbox.send(oi.Safe())
     outbox.release(40.0)
     outbox.clear()
     outbox.send(OFF)
-    assert released(outbox, 40.1) == OFF.encode(), 'another robot owes no pause'
+    assert released(outbox, 40.01) == OFF.encode(), 'another robot owes no pause'
 
 
-# Who waits for an outcome.
+def test_a_rest_goes_with_the_command_that_needs_it() -> None:
+    outbox = Outbox()
+    outbox.send(oi.Start())
+    demo = outbox.send(oi.CoverAndDock(), rest=1.0)
+    outbox.send(OFF)
+    assert released(outbox, 8.0) == oi.Start().encode()
+    assert released(outbox, 9.0) == b'', 'after the pause that the mode needs'
+    outbox.send(oi.Safe())
+    assert outbox.call_off_motion() and not demo.outcome.ok
+    assert released(outbox, 9.0) == OFF.encode() + oi.Safe().encode()
 
 
 # What stops a robot.
@@ -79,7 +88,8 @@ STOP = bytes([145, 0, 0, 0, 0])
 
 def test_a_robot_is_stopped_twice_then_what_it_waits_for_is_ended_and_it_is_stopped_again():
     assert WAKE_UP == STOP + STOP + bytes(2 * 145) + STOP
-    assert DEAD_MAN_STOP == STOP + b'\x80' + bytes(2 * 145) + STOP + b'\x80'
+    rest = STOP + bytes([144, 0, 0, 0, 128])
+    assert DEAD_MAN_STOP == rest + bytes(2 * 145) + rest
     assert (HALT.encode(), END_DEMO.encode()) == (STOP, bytes([136, 255]))
 
 

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a frame is taken for: the edges of what a reading can be, and its time stamp."""
 
-from math import degrees
 from random import Random
 
 from hypothesis import given
@@ -13,11 +12,10 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.driver.frame_clock import FrameClock, MIN_STEP
 from create_oi_ros.driver.stream import ALL
-from create_oi_ros.driver.tracking import JumpCheck, ODD_FRAMES, POSSIBLE, TurnCheck
+from create_oi_ros.driver.tracking import JumpCheck, ODD_FRAMES, POSSIBLE
 from create_oi_ros.odometry import Known
 from create_oi_ros.oi import SLOT
-from create_oi_ros.robot import Rounding
-from support.loop import AT_ONCE, Loop, said, texts
+from support.loop import Loop, said, texts
 
 
 def moved(distance: int, angle: int) -> oi.Readings:
@@ -43,47 +41,6 @@ def test_after_a_restart_the_first_reading_spans_an_unknown_time() -> None:
     assert not check.possible(moved(550, 0), 8.25)
     check.restart()
     assert check.possible(moved(550, 0), 8.5)
-
-
-def turning(right: int, left: int, angle: int = 0) -> oi.Readings:
-    """Return a reading of a robot that was told to turn."""
-    return oi.Readings({
-        'requested_right_velocity': right, 'requested_left_velocity': left, 'angle': angle})
-
-
-@pytest.mark.parametrize('side', [1, -1])
-def test_an_angle_is_stuck_after_one_turn_that_was_asked_for(side: int) -> None:
-    check = TurnCheck(0.25)
-    degree = 1 / degrees(2.0)  # seconds, at 500 mm/s between wheels 0.25 m apart
-    reading = turning(250 * side, -250 * side)
-    for _ in range(2):
-        assert not check.observe(reading, 0.5 * degree, drives=True)
-        assert not check.observe(reading, 359.4 * degree, drives=True) and not check.stuck
-        assert check.observe(reading, 0.2 * degree, drives=True) and check.stuck
-        again = check.observe(reading, 0.2 * degree, drives=True)
-        assert not again and check.stuck, 'it is told once'
-        changed = check.observe(turning(250, -250, angle=1), 1.0, drives=True)
-        assert not changed and not check.stuck, 'the turn begins anew'
-
-
-def test_a_robot_that_turns_between_two_readings_is_not_stuck() -> None:
-    check = TurnCheck(0.25)
-    silent = oi.Readings({'requested_right_velocity': 250, 'requested_left_velocity': -250})
-    for reading in (silent, silent, turning(250, -250, angle=800), silent, silent):
-        assert not check.observe(reading, 7.0, drives=True) and not check.stuck
-    seen = [check.observe(turning(250, -250), 7.0, drives=True) for _ in range(4)]
-    assert seen == [False, False, True, False], 'the first may follow a reading that was lost'
-
-
-@pytest.mark.parametrize('rounding', [Rounding.ROUND, Rounding.TRUNCATE])
-@pytest.mark.parametrize('rate', [1.5, 3.8])
-def test_a_fast_turn_is_never_called_stuck(rounding: Rounding, rate: float) -> None:
-    loop = Loop(Settings(limits=AT_ONCE), rounding=rounding)
-    loop.drive(0.0, rate, 20.0)
-    assert said(loop, Severity.WARNING, 'the angle does not change') == 0
-    loop.forged = {'angle': 0}
-    loop.drive(0.0, rate, 15.0)
-    assert said(loop, Severity.WARNING, 'the angle does not change') == 1
 
 
 def impossible(name: str) -> int:
@@ -174,8 +131,8 @@ def test_a_song_plays_though_its_number_is_not_known() -> None:
     loop = Loop()
     loop.forged = {'song_number': 16}
     loop.run(1)
-    loop.driver.outputs.define_song(1, [60], [1.0])
-    request = loop.driver.outputs.play_song(1, loop.now)
+    loop.driver.songs.define(1, [60], [1.0])
+    request = loop.driver.songs.play(1, loop.now)
     loop.run(0.5)
     assert request.outcome is not None and request.outcome.ok
 

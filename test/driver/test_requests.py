@@ -2,14 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """What services ask of the driver, played against the simulated robot without a clock."""
 
+from collections.abc import Callable
 from math import nan
 
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Driver, Settings
-from create_oi_ros.driver.outbox import farewell, HALT
+from create_oi_ros.driver.outbox import DEAD_MAN_STOP, farewell, HALT
 from create_oi_ros.oi.tools.text import parse_script
+from create_oi_ros.sim.firmware.guesses import Guesses
 from support.asking import ask, in_mode, power_cycle
 from support.loop import Loop
 
@@ -29,11 +31,17 @@ def test_a_duty_cycle_out_of_range_is_refused(loop, duty):
     assert loop.commands() == []
 
 
+def test_low_side_drivers_are_refused_in_passive(loop):
+    in_mode(loop, oi.Mode.PASSIVE)
+    answer = ask(loop, loop.driver.outputs.set_drivers, (1.0, 0.0, 0.0))
+    assert not answer.ok and 'call set_mode with SAFE first' in answer.text
+
+
 def test_rounding_is_told(loop):
-    answer = ask(loop, loop.driver.outputs.define_song, 0, [60, 60], [0.1, 0.001])
+    answer = ask(loop, loop.driver.songs.define, 0, [60, 60], [0.1, 0.001])
     assert answer.ok
     assert answer.text.endswith('rounded to 1/64 s, by 6 ms at most')
-    longer = ask(loop, loop.driver.outputs.define_song, 0, [60, 60, 60], [0.5, 2.006, 0.0])
+    longer = ask(loop, loop.driver.songs.define, 0, [60, 60, 60], [0.5, 2.006, 0.0])
     assert longer.text.endswith('takes 2.500 s, asked for 2.506 s: notes are rounded to 1/64 s, '
                                 'by 6 ms at most')
 
@@ -45,9 +53,9 @@ def test_rounding_is_told(loop):
     (0, [256], [0.1], 'notes[0]'),
 ])
 def test_a_wrong_song_is_refused_before_a_byte_leaves(loop, number, pitches, seconds, named):
-    outputs, song = loop.driver.outputs, (number, pitches, seconds)
-    for answer in (ask(loop, outputs.define_song, *song),
-                   ask(loop, outputs.define_and_play, *song, loop.now)):
+    songs, song = loop.driver.songs, (number, pitches, seconds)
+    for answer in (ask(loop, songs.define, *song),
+                   ask(loop, songs.define_and_play, *song, loop.now)):
         assert not answer.ok
         assert named in answer.text
     assert loop.commands() == []
@@ -55,20 +63,20 @@ def test_a_wrong_song_is_refused_before_a_byte_leaves(loop, number, pitches, sec
 
 def test_define_and_play_stores_nothing_that_cannot_be_played(loop):
     in_mode(loop, oi.Mode.PASSIVE)
-    answer = ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5], loop.now)
+    answer = ask(loop, loop.driver.songs.define_and_play, 0, [60], [0.5], loop.now)
     assert not answer.ok
     assert 'set_mode' in answer.text
     assert not loop.robot.speaker.songs
     in_mode(loop, oi.Mode.SAFE)
-    assert ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5], loop.now).ok
+    assert ask(loop, loop.driver.songs.define_and_play, 0, [60], [0.5], loop.now).ok
     assert loop.moved[-1].readings.song_playing
 
 
 @pytest.mark.parametrize(('first', 'second'), [(0, 1), (3, 3)])
 def test_of_two_songs_sent_at_once_only_the_one_that_plays_is_said_to_play(loop, first, second):
-    outputs = loop.driver.outputs
-    one = outputs.define_and_play(first, [60], [1.0], loop.now)
-    two = outputs.define_and_play(second, [72], [2.0], loop.now)
+    songs = loop.driver.songs
+    one = songs.define_and_play(first, [60], [1.0], loop.now)
+    two = songs.define_and_play(second, [72], [2.0], loop.now)
     assert not two.outcome.ok
     assert f'song {first} is about to play' in two.outcome.text
     loop.run(0.2)
@@ -77,23 +85,38 @@ def test_of_two_songs_sent_at_once_only_the_one_that_plays_is_said_to_play(loop,
 
 
 def test_a_song_that_the_robot_does_not_play_is_said_not_to(loop):
-    assert ask(loop, loop.driver.outputs.define_song, 2, [60], [1.0]).ok
-    play = loop.driver.outputs.play_song(2, loop.now)
+    assert ask(loop, loop.driver.songs.define, 2, [60], [1.0]).ok
+    play = loop.driver.songs.play(2, loop.now)
     loop.driver.poll(loop.now)
     assert loop.driver.data_to_send()  # lost on the line
     loop.run(0.4)
     assert play.outcome is None
     loop.run(0.3)
     assert (play.outcome.ok, 'does not report it' in play.outcome.text) == (False, True)
-    again = loop.driver.outputs.play_song(2, loop.now)
+    again = loop.driver.songs.play(2, loop.now)
     loop.driver.disconnected('gone')
     assert not again.outcome.ok
 
 
 def test_a_song_too_short_to_be_seen_is_said_to_be_sent(loop):
-    answer = ask(loop, loop.driver.outputs.define_and_play, 2, [60], [0.02], loop.now)
+    answer = ask(loop, loop.driver.songs.define_and_play, 2, [60], [0.02], loop.now)
     assert answer.ok
     assert answer.text.endswith('song 2 sent to play; it is too short to be seen playing')
+
+
+def test_an_output_is_set_by_its_name_and_the_others_stay():
+    loop = Loop(Settings(output_names=('lamp', 'door', 'output_2')))
+    loop.run(1.0)
+    outputs, bits = loop.driver.outputs, oi.OutputBits
+    assert ask(loop, outputs.set_outputs, bits.OUTPUT_2).ok
+    assert ask(loop, outputs.set_output, 'door', high=True).text == 'digital outputs sent'
+    assert loop.robot.outputs == bits.OUTPUT_1 | bits.OUTPUT_2
+    assert ask(loop, outputs.set_output, 'output_2', high=False).ok
+    assert loop.robot.outputs == bits.OUTPUT_1
+    assert ask(loop, outputs.set_output, 'lamb', high=True).text == (
+        "no output is called 'lamb'; output_names: lamp, door, output_2")
+    in_mode(loop, oi.Mode.PASSIVE)
+    assert 'call set_mode with SAFE first' in ask(loop, outputs.set_output, 'lamp', high=True).text
 
 
 @pytest.mark.parametrize('request_of', [
@@ -101,7 +124,7 @@ def test_a_song_too_short_to_be_seen_is_said_to_be_sent(loop):
     lambda driver: driver.outputs.set_outputs(HIGH),
     lambda driver: driver.outputs.set_drivers((0, 0, 1)),
     lambda driver: driver.outputs.send_ir(1),
-    lambda driver: driver.outputs.define_song(0, [60], [0.5]),
+    lambda driver: driver.songs.define(0, [60], [0.5]),
     lambda driver: driver.modes.start_demo(oi.DemoNumber.COVER),
     lambda driver: driver.scripts.define(WAITING),
     lambda driver: driver.scripts.play(0.0, force=True),
@@ -115,7 +138,7 @@ def test_what_no_packet_shows_is_only_said_to_be_sent(loop, request_of):
 
 
 def test_a_song_that_was_not_defined_is_refused(loop):
-    assert 'define_song' in ask(loop, loop.driver.outputs.play_song, 7, loop.now).text
+    assert 'define_song' in ask(loop, loop.driver.songs.play, 7, loop.now).text
 
 
 def test_before_the_mode_is_known_every_request_is_refused():
@@ -135,7 +158,7 @@ def set_everything(loop: Loop) -> None:
     assert ask(loop, loop.driver.outputs.set_leds, LEDS).ok
     assert ask(loop, loop.driver.outputs.set_outputs, HIGH).ok
     assert ask(loop, loop.driver.outputs.set_drivers, (1.0, 0.0, 0.0)).ok
-    assert ask(loop, loop.driver.outputs.define_song, 3, [60], [0.5]).ok
+    assert ask(loop, loop.driver.songs.define, 3, [60], [0.5]).ok
 
 
 def assert_restored(loop: Loop) -> None:
@@ -158,12 +181,14 @@ def test_leds_and_outputs_are_restored_after_a_mode_change(loop, before, after):
     assert_restored(loop)
 
 
-def fall_silent(loop: Loop) -> None:
-    """Cut the line for a while."""
-    loop.cut = True
-    loop.run(2.0)
-    loop.cut = False
-    loop.run(2.0)
+def fall_silent(seconds: float) -> Callable[[Loop], None]:
+    """Return what cuts the line for a while."""
+    def happens(loop: Loop) -> None:
+        loop.cut = True
+        loop.run(seconds)
+        loop.cut = False
+        loop.run(2.0)
+    return happens
 
 
 def drop_a_wheel(loop: Loop) -> None:
@@ -175,13 +200,40 @@ def drop_a_wheel(loop: Loop) -> None:
     loop.drive(0.1, 0.0, 0.5)
 
 
-@pytest.mark.parametrize(('happens', 'duty'), [
-    (power_cycle, 0), (fall_silent, 128), (drop_a_wheel, 0)])
-def test_all_is_restored_but_drivers_that_the_robot_switched_off(loop, happens, duty):
+@pytest.mark.parametrize('happens', [
+    power_cycle, drop_a_wheel, *map(fall_silent, (0.7, 1.2, 2.5, 8.0))])
+def test_all_is_restored_but_low_side_drivers(loop, happens):
     set_everything(loop)
     happens(loop)
     assert_restored(loop)
-    assert tuple(loop.robot.actuators.duties) == (duty, 0, 0)
+    assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
+
+
+@pytest.mark.parametrize('wanted', [oi.Mode.PASSIVE, oi.Mode.SAFE])
+@pytest.mark.parametrize('seconds', [0.7, 3.0])
+def test_a_robot_that_is_found_stands_also_if_passive_leaves_its_drivers_on(wanted, seconds):
+    loop = Loop(Settings(mode_on_start=wanted))
+    loop.robot.guesses = Guesses(passive_ends_drivers=False)
+    loop.run(1.0)
+    loop.cut = True
+    loop.run(seconds)
+    loop.robot.receive(b''.join(each.encode() for each in (
+        oi.Full(), oi.PwmLowSideDrivers(driver_0=9, driver_1=128, driver_2=1))), loop.now)
+    loop.cut = False
+    loop.run(1.0 if seconds < 2 else 2.0)
+    assert loop.robot.mode is wanted
+    if wanted is oi.Mode.SAFE or seconds < 2:  # else Start comes first, after a long absence
+        assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
+
+
+@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
+def test_a_dead_man_switches_the_low_side_drivers_off(loop, mode):
+    loop.robot.guesses = Guesses(passive_ends_drivers=False)
+    in_mode(loop, mode)
+    set_everything(loop)
+    loop.robot.receive(DEAD_MAN_STOP, loop.now)
+    assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
 
 
 @pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.FULL])

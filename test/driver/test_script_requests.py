@@ -1,32 +1,30 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Scripts that services define, play and show, against the simulated robot."""
+"""Scripts that services define and play, against the simulated robot."""
 
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, Pending
-from create_oi_ros.driver.script import SILENCE
+from create_oi_ros.driver import Activity, Severity
+from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.sim.firmware.guesses import Guesses
 from support.asking import ask, power_cycle
-from support.loop import Loop
+from support.loop import Loop, texts
 
 LEDS = oi.Leds(bits=oi.LedBits.PLAY | oi.LedBits.ADVANCE, color=10, intensity=200)
 WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
 ENDLESS = parse_script('Wait Time time=1; Play Script')
 
 
-def test_while_the_robot_drives_no_script_is_played_or_shown(loop):
+def test_while_the_robot_drives_no_script_is_played(loop):
     ask(loop, loop.driver.scripts.define, WAITING)
     loop.driver.drive(0.2, 0.0, loop.now)
-    played = loop.driver.scripts.play(loop.now, force=True)
-    shown = loop.driver.scripts.show(loop.now)
-    for answer in (played.outcome, shown.outcome):
-        assert answer.ok is False
-        assert 'stop it first' in answer.text
+    answer = loop.driver.scripts.play(loop.now, force=True).outcome
+    assert answer.ok is False
+    assert 'stop it first' in answer.text
 
 
 def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
@@ -171,11 +169,11 @@ def test_a_script_whose_end_is_open_says_so(loop):
     assert 'Wait Event event=bump, Wait Distance distance=100' in message
 
 
-def test_a_script_that_is_not_known_is_refused_until_it_is_shown(loop):
+def test_a_script_that_is_not_known_needs_force(loop):
     loop.robot.script = WAITING.script
-    assert not ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
-    assert ask(loop, loop.driver.scripts.show, loop.now, seconds=0.5).payload == WAITING.script
-    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
+    refused = ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    assert not refused.ok and 'call define_script, or set force' in refused.text
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
 
 
 def test_an_empty_script_is_refused(loop):
@@ -187,60 +185,6 @@ def test_bytes_that_are_no_whole_commands_are_no_script(loop):
     for code in (b'\x91\x00', b'\x05'):
         assert not ask(loop, loop.driver.scripts.define, oi.Script(script=code)).ok
     assert loop.robot.script == b''
-
-
-@pytest.mark.parametrize('length', [0, 1, 50, 100])
-@pytest.mark.parametrize('delay', [0.0, 0.03])
-def test_the_stored_script_is_read_back_and_the_stream_goes_on(length, delay):
-    loop = Loop(delay=delay)
-    loop.run(0.5)
-    script = build_script([oi.Safe()] * length)
-    ask(loop, loop.driver.scripts.define, script)
-    shown = ask(loop, loop.driver.scripts.show, loop.now, seconds=0.6)
-    assert (shown.ok, shown.payload) == (True, script.script)
-    frames = loop.driver.counts.frames
-    loop.run(1.0)
-    assert loop.driver.counts.frames - frames > 60
-    assert loop.driver.counts.silences == 0
-
-
-def until_the_script_is_read(loop: Loop) -> Pending:
-    """Ask for the script, and cut the line when all that arrives next is its bytes."""
-    pending = loop.driver.scripts.show(loop.now)
-    while loop.driver.state.activity is not Activity.READING:
-        loop.turn()
-    loop.cut = True
-    return pending
-
-
-def test_a_script_may_come_in_pieces(loop):
-    pending = until_the_script_is_read(loop)
-    for byte in bytes((1, *oi.Safe().encode())):
-        assert pending.outcome is None
-        loop.driver.receive(bytes((byte,)), loop.now)
-    assert pending.outcome.payload == oi.Safe().encode()
-
-
-@pytest.mark.parametrize('reply', [bytes((0, 131)), bytes((101, *bytes(101)))])
-def test_a_script_that_comes_damaged_is_given_up(loop, reply):
-    pending = until_the_script_is_read(loop)
-    loop.driver.receive(reply, loop.now)
-    assert pending.outcome.ok is False
-    assert 'damaged' in pending.outcome.text
-    loop.cut = False
-    loop.run(2.0)
-    assert loop.driver.state.answered
-
-
-def test_a_script_that_does_not_come_is_given_up(loop):
-    pending = loop.driver.scripts.show(loop.now)
-    loop.run(0.05)
-    loop.cut = True
-    loop.run(1.0)
-    assert pending.outcome.ok is False
-    loop.cut = False
-    loop.run(2.0)
-    assert loop.driver.state.answered
 
 
 def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
@@ -255,9 +199,10 @@ def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
     assert loop.body.truth().speed == 0
 
 
-def test_a_script_that_streams_the_list_of_a_call_is_not_taken_for_silence(loop):
-    call = oi.Stream(packets=loop.driver.plan.call.ids)
-    ask(loop, loop.driver.scripts.define, build_script([call, oi.WaitTime(time=20)]))
+@pytest.mark.parametrize('packets', [*QUESTIONS, *Loop().driver.plan.questions], ids=str)
+def test_a_script_that_streams_the_list_of_a_question_is_not_taken_for_silence(loop, packets):
+    asks = oi.Stream(packets=packets.ids)
+    ask(loop, loop.driver.scripts.define, build_script([asks, oi.WaitTime(time=20)]))
     ask(loop, loop.driver.scripts.play, loop.now, force=False)
     loop.run(1.5)
     assert loop.driver.scripts.playing
@@ -266,12 +211,22 @@ def test_a_script_that_streams_the_list_of_a_call_is_not_taken_for_silence(loop)
     assert loop.driver.counts.silences == 0
 
 
-def test_a_script_is_asked_for_when_the_line_has_been_silent_for_a_while(loop):
-    ask(loop, loop.driver.scripts.define, WAITING)
-    loop.run(5.0)
-    loop.commands()
-    loop.driver.scripts.show(loop.now)
-    loop.run(SILENCE - 0.01)
-    assert [type(each) for each in loop.commands()] == [oi.PauseResumeStream]
-    loop.run(0.02)
-    assert oi.ShowScript() in loop.commands()
+@pytest.mark.parametrize('queue', [0, 256])
+@pytest.mark.parametrize('delay', [0.0, 0.008, 0.016, 0.04])
+def test_a_script_that_is_played_again_as_soon_as_it_has_ended_is_followed_to_its_end(
+        delay, queue):
+    loop = Loop(delay=delay)
+    loop.robot.guesses = Guesses(wait_queue=queue)
+    loop.run(3.0)
+    ask(loop, loop.driver.scripts.define, parse_script(
+        'Drive velocity=150 radius=straight; Wait Time time=12; Drive velocity=0 radius=straight'))
+    for _ in range(3):
+        played, begun = loop.driver.scripts.play(loop.now, force=False), loop.now
+        while loop.driver.scripts.playing:
+            loop.turn()
+        assert played.outcome.ok
+        assert loop.now - begun > 1.19, 'it is said to be over while it plays'
+        assert loop.robot.actuators.wheels == (0, 0) and not loop.robot.waiting
+    loop.drive(0.2, 0.0, 0.5)
+    assert loop.body.truth().speed == pytest.approx(0.2, abs=0.01)
+    assert not texts(loop.notices, Severity.ERROR)

@@ -6,9 +6,18 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver.goal_control import TAKEN_OVER
 from create_oi_ros.driver.goals import Code, Dock
 from create_oi_ros.driver.outbox import CALLED_OFF, HALT
-from create_oi_ros.driver.state import Activity, State, StateEvent, STAYS, TRANSITIONS
+from create_oi_ros.driver.state import (
+    Activity,
+    CONSEQUENCES,
+    State,
+    StateEvent,
+    STAYS,
+    Then,
+    TRANSITIONS,
+)
 from support.goals import distance, pursue
 from support.loop import Loop, said, STEP
 
@@ -43,7 +52,7 @@ def test_a_robot_out_of_reach_ends_everything(event, leads_to):
 def test_only_a_velocity_and_a_goal_make_the_wheels_turn():
     assert {(activity, event) for activity in Activity for event in StateEvent
             if event in TRANSITIONS[activity]
-            and (state := State(activity)).handle(event) and state.moving} == {
+            and (state := State(activity)).handle(event) is not None and state.moving} == {
         (Activity.IDLE, StateEvent.VELOCITY), (Activity.IDLE, StateEvent.GOAL_STARTED),
         (Activity.DRIVING, StateEvent.GOAL_STARTED), (Activity.DEMO, StateEvent.GOAL_STARTED)}
 
@@ -57,6 +66,58 @@ def test_who_takes_no_commands_says_why():
 
 def test_each_event_is_listed_once_at_most():
     assert all(not STAYS[activity] & TRANSITIONS[activity].keys() for activity in Activity)
+
+
+# What follows from an event: no cell of the second table is empty that must not be.
+
+
+CHANGES = [(State(before), event, State(after)) for before, row in TRANSITIONS.items()
+           for event, after in row.items()]
+"""Every change of the activity: before, event, after."""
+NEWER = {StateEvent.RESTED, StateEvent.MODE_SET, StateEvent.PASSIVE_SET, StateEvent.DEMO_STARTED,
+         StateEvent.DEMO_ENDED}
+"""Events by which somebody asks for a mode."""
+
+
+def follows(event: StateEvent, then: Then) -> bool:
+    """Tell whether this follows from an event."""
+    return then in CONSEQUENCES[event]
+
+
+def test_every_event_has_a_row_of_consequences_with_each_cell():
+    assert CONSEQUENCES.keys() == set(StateEvent)
+    assert {len(row) for row in CONSEQUENCES.values()} == {8}
+
+
+@pytest.mark.parametrize(('before', 'event', 'after'), CHANGES, ids=lambda each: (
+    each.name if isinstance(each, StateEvent) else each.activity.name))
+def test_what_a_change_of_the_activity_asks_for_follows_from_its_event(before, event, after):
+    if before.moving and not after.moving:
+        assert follows(event, Then.STAND), 'the wheels would go on'
+    if not after.answered:
+        assert follows(event, Then.FORGET) and follows(event, Then.FAIL)
+    if before.robot_moves and not after.robot_moves:
+        assert follows(event, Then.CALL_OFF), 'a demo would begin later'
+    if before.robot_moves != after.robot_moves and after.answered:
+        assert follows(event, Then.AGAIN), 'the driver would not know how the wheels turn'
+    if before.pursues and not after.pursues:
+        assert follows(event, Then.END) or event is StateEvent.GOAL_ENDED
+        back = follows(event, Then.GIVE_BACK) or follows(event, Then.RESTORE)
+        assert back is (event not in NEWER), 'the mode of the goal would stay'
+        assert event in TAKEN_OVER or event in (StateEvent.GOAL_ENDED, StateEvent.MODE_LEFT)
+    if after.answered and not before.answered:
+        assert follows(event, Then.WARN)
+
+
+@pytest.mark.parametrize('then', Then, ids=lambda then: then.name)
+def test_each_consequence_follows_from_something_and_nothing_from_all(then):
+    assert 0 < sum(follows(event, then) for event in StateEvent) < len(StateEvent)
+
+
+def test_an_event_that_changes_nothing_at_most_has_the_speeds_sent_again():
+    for activity, events in STAYS.items():
+        for event in events:
+            assert set(State(activity).handle(event)) <= {Then.AGAIN}
 
 
 def test_an_event_that_no_table_lists_is_logged_once_and_changes_nothing(monkeypatch):
@@ -123,7 +184,7 @@ def test_a_script_that_was_stopped_before_it_was_sent_is_not_played():
     loop.run(0.1)
     playing = loop.driver.scripts.play(loop.now, force=False)
     assert loop.driver.stop(loop.now).outcome.ok
-    assert playing.outcome == (False, CALLED_OFF, b'')
+    assert playing.outcome == (False, CALLED_OFF)
     loop.run(1.0)
     assert loop.driver.state.activity is Activity.IDLE and loop.moved
     loop.drive(0.1, 0.0, 1.0)

@@ -14,6 +14,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, WAKE_UP
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.actuators import DARK, Lights
@@ -105,17 +106,6 @@ def test_of_stops_while_the_robot_waits_two_are_sent_and_hold_after_it(queue):
     assert not loop.driver.health(loop.now).suspects_commands
 
 
-def test_a_script_that_is_asked_for_meanwhile_comes_damaged_and_the_robot_drives_after_it():
-    loop = waiting(12)
-    loop.run(0.9)
-    assert loop.driver.health(loop.now).suspects_commands
-    shown = loop.driver.scripts.show(loop.now)
-    loop.run(4.0)
-    assert 'damaged' in shown.outcome.text
-    loop.drive(0.2, 0.0, 1.0)
-    assert loop.body.truth().speed == pytest.approx(0.2, abs=0.01)
-
-
 def test_a_wait_from_before_the_driver_started_is_met():
     loop = Loop()
     loop.robot = Create(loop.body)
@@ -170,7 +160,7 @@ def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hea
     loop.run(2.5)
     assert not loop.driver.health(loop.now).ignores_commands
     assert loop.robot.actuators.lights == Lights(oi.LedBits(0), 7, 8)
-    assert loop.driver.stop(loop.now).outcome == (True, 'stop sent', b'')
+    assert loop.driver.stop(loop.now).outcome == (True, 'stop sent')
 
 
 def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on():
@@ -195,7 +185,7 @@ def waits_once_it_has_answered(wait: oi.Command, **guesses: object) -> Loop:
     loop.robot.guesses = replace(loop.robot.guesses, **guesses)
     loop.run(0.5)
     loop.drive(0.3, 0.0, 0.5)
-    call = oi.Stream(packets=loop.driver.plan.call.ids)
+    call = oi.Stream(packets=QUESTIONS[0].ids)
     loop.robot.receive(call.encode() + wait.encode(), loop.now)
     return loop
 

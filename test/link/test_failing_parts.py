@@ -5,14 +5,12 @@
 from contextlib import suppress
 import inspect
 import threading
-from types import SimpleNamespace
 
 import pytest
 
 from create_oi_ros.driver import Driver, MotionLimits, Notice, Settings
 from create_oi_ros.driver.goals import DriveDistance
 from create_oi_ros.driver.outbox import farewell, HALT
-from create_oi_ros.link import session
 from create_oi_ros.link.session import Session
 from create_oi_ros.oi import Mode
 from create_oi_ros.oi.tools.text import parse_script
@@ -119,13 +117,13 @@ class Ride:
         self.port = LoopPort(Loop(SETTINGS))
         self.failures = 0
         self.errors: list[type] = []
-        monkeypatch.setattr(session, 'time', SimpleNamespace(monotonic=lambda: self.port.loop.now))
         monkeypatch.setattr(
             threading, 'excepthook', lambda about: self.errors.append(about.exc_type))
         self.on_event = lambda event: None
         self.session = Session(
             Driver(SETTINGS), '/dev/null', on_event=lambda event: self.on_event(event),
-            on_failure=self.failed, open_port=lambda *_, **__: self.port)
+            on_failure=self.failed, open_port=lambda *_, **__: self.port,
+            clock=lambda: self.port.loop.now)
         self.session.start()
         self.port.run(1.0)
         self.session.drive(0.2, 0.0)

@@ -4,13 +4,18 @@
 
 from collections.abc import Callable
 import threading
+import time
+
+import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, LinkCounts, Notice, Settings
+from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.driver.outbox import farewell, HALT
 from create_oi_ros.link.port import PortError
 from create_oi_ros.link.session import RETRY_FIRST, RETRY_MOST, Session
 from create_oi_ros.oi.tools.capture_format import RecordKind
+from support.loop import Loop
 from support.ros import TIMEOUT
 
 FAREWELL = b''.join(command.encode() for command in farewell(None, oi.Mode.FULL))
@@ -48,7 +53,8 @@ class ScriptedPort:
 
 
 def session_on(
-    open_port: Callable[..., ScriptedPort], record: Callable[..., None] | None = None, **settings,
+    open_port: Callable[..., ScriptedPort], record: Callable[..., None] | None = None, *,
+    clock: Callable[[], float] | None = None, **settings,
 ) -> tuple[Session, list[str]]:
     """Return a session that is not started, and what it says."""
     texts: list[str] = []
@@ -58,7 +64,7 @@ def session_on(
             texts.append(event.text)
     return Session(Driver(Settings(**settings)), 'loop://', on_event=on_event,
                    on_failure=lambda: texts.append('failure'), record=record,
-                   open_port=open_port), texts
+                   open_port=open_port, clock=clock), texts
 
 
 def test_a_session_closed_while_its_port_opens_writes_nothing_to_it():
@@ -104,7 +110,7 @@ def test_a_port_lost_by_one_thread_is_closed_by_the_one_that_reads_it():
     def read() -> bytes:
         reading.set()
         assert may_return.wait(TIMEOUT)
-        return ours.driver.plan.call.pack_frame([1])
+        return QUESTIONS[0].pack_frame([1])
 
     def read_second() -> bytes:
         opened_again.set()
@@ -173,7 +179,7 @@ def test_the_rate_changes_when_all_bytes_have_left_also_for_the_farewell():
     ours, _ = session_on(lambda *_, **__: port, baud=0, mode_on_exit=oi.Mode.FULL)
     ours._open()
     assert isinstance(port.did[-1], bytes)
-    ours.driver._connection._search.baud = 19200
+    ours.driver._connection.baud = 19200
     ours.close()
     assert port.did[1:] == ['flush', 19200, FAREWELL, 'flush', 'close']
 
@@ -186,7 +192,7 @@ def test_all_that_passes_is_recorded_in_its_order_and_a_loss_once():
                       (RecordKind.TO_ROBOT, port.did[0])]
     passed.clear()
     ours._read(port)
-    ours.driver._connection._search.baud = 19200
+    ours.driver._connection.baud = 19200
     for failing in (False, True, True):
         port.failing = failing
         with ours.request() as (driver, now):
@@ -195,3 +201,66 @@ def test_all_that_passes_is_recorded_in_its_order_and_a_loss_once():
     assert passed == [
         (RecordKind.FROM_ROBOT, b'hello'), (RecordKind.BAUD, '19200'), (RecordKind.TO_ROBOT, halt),
         (RecordKind.TO_ROBOT, halt), (RecordKind.LOST, 'writing failed')]
+
+
+# A computer that sleeps: the monotonic clock of Linux stands still meanwhile.
+
+
+class RobotPort(ScriptedPort):
+    """A port with a robot whose bytes wait until somebody reads them."""
+
+    def __init__(self, loop: Loop) -> None:
+        super().__init__(self.take)
+        self.robot, self.loop = loop.robot, loop
+
+    def take(self) -> bytes:
+        self.loop.now += 0.005
+        self.robot.poll(self.loop.now)
+        return self.robot.data_to_send()
+
+    def write(self, encoded: bytes) -> None:
+        self.robot.receive(encoded, self.loop.now)
+
+
+@pytest.mark.parametrize('asleep', [1.3, 20.0, 3600.0])
+def test_after_a_sleep_what_came_meanwhile_is_dropped_and_the_robot_called_anew(asleep):
+    loop = Loop()
+    port = RobotPort(loop)
+    ours, texts = session_on(lambda *_, **__: port, clock=lambda: loop.now)
+    ours._open()
+    for _ in range(400):
+        ours._read(port)
+    ours.drive(0.2, 0.3)
+    for _ in range(40):
+        ours._read(port)
+    texts.clear()
+    frames = ours.driver.counts.frames
+    loop.now += asleep
+    for _ in range(10):
+        ours._read(port)
+    assert ours.driver.counts.frames < frames + 3, 'old frames count as new ones'
+    for _ in range(200):
+        ours._read(port)
+    assert texts[0].startswith(f'the driver stood still for {asleep:.1f} s (Ctrl-Z, a debugger, ')
+    assert texts[0].endswith('calling the robot again')
+    assert ours.driver.state.answered and ours.driver.counts.impossible_jumps == 0
+    assert loop.robot.actuators.wheels == (0, 0)
+
+
+def test_a_velocity_is_not_followed_before_a_sleep_is_noticed():
+    loop = Loop()
+    port = RobotPort(loop)
+    ours, _ = session_on(lambda *_, **__: port, clock=lambda: loop.now)
+    ours._open()
+    for _ in range(200):
+        ours._read(port)
+    loop.now += 20.0
+    ours.drive(0.3, 0.0)
+    assert loop.robot.actuators.wheels == (0, 0) and not ours.driver.state.answered
+
+
+def test_the_clock_of_a_session_goes_on_while_the_computer_sleeps(monkeypatch):
+    ours = Session(Driver(), 'loop://', on_event=print, on_failure=print)
+    monkeypatch.setattr(time, 'clock_gettime', {time.CLOCK_BOOTTIME: 5e6}.__getitem__)
+    with ours.request() as (_, now):
+        assert now == 5e6

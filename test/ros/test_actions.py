@@ -14,21 +14,17 @@ from create_oi_msgs.action import (
     Dock,
     DriveArc,
     DriveDistance,
-    LedAnimation,
     NavigateToPosition,
     RotateAngle,
     Undock,
-    WallFollow,
 )
 from create_oi_msgs.msg import Mode
-from create_oi_msgs.srv import SetLeds
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
 import pytest
 from rclpy.action.client import ActionClient
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-from create_oi_ros import oi
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.ros.actions import ACTIONS, ALL_ACTIONS, malformed
 from create_oi_ros.sim.world import parse
@@ -37,7 +33,7 @@ from support.source import ROOT
 
 FILES = sorted((ROOT / 'msg_defs' / 'action').glob('*.action'))
 OF_GOALS = [path for path in FILES if path.stem in {each.type.__name__ for each in ACTIONS}]
-TUNE, LEDS = (AudioNoteSequence, 'audio_note_sequence'), (LedAnimation, 'led_animation')
+TUNE = (AudioNoteSequence, 'audio_note_sequence')
 BASE = parse('start 0.4 0 180\nhome_base 0 0 0', 'base')
 
 
@@ -207,19 +203,9 @@ def test_the_robot_drives_to_a_place_that_is_published(start):
     (NavigateToPosition, 'navigate_to_position',
      {'goal_pose': PoseStamped(header=Header(frame_id='map'))},
      "goal_pose is in frame 'map'; allowed: 'odom'"),
-    (WallFollow, 'wall_follow', {'follow_side': WallFollow.Goal.FOLLOW_LEFT},
-     'follow_side = 1; allowed: -1'),
-    (*TUNE, {'notes': 'C4:9'}, "'C4:9' lasts 9 s; allowed: 1/64 to 255/64 s"),
+    (*TUNE, {'notes': 'C4:99'}, "'C4:99' lasts 99 s; allowed: 1/64 to 60 s"),
     (*TUNE, {'notes': ''}, 'a tune needs a note, such as C4:1/4'),
     (*TUNE, {'notes': 'C4:1', 'iterations': 0}, 'iterations = 0; allowed: above 0, or -1'),
-    (*LEDS, {'animation_type': 3, 'play': True},
-     'animation_type = 3; allowed: 1 (blink), 2 (spin)'),
-    (*LEDS, {'animation_type': 1, 'power_color': 9},
-     'no LED is chosen: set play, advance or power_int'),
-    (*LEDS, {'animation_type': 1, 'play': True, 'period': Duration(nanosec=200_000_000)},
-     'period = 0.2 s; allowed: 0.3 or more'),
-    (*LEDS, {'animation_type': 1, 'play': True, 'max_runtime': Duration(sec=-1)},
-     'max_runtime = -1 s; allowed: 0 or more'),
 ], ids=lambda value: value if isinstance(value, str) else '')
 def test_a_malformed_goal_is_rejected_and_the_log_says_why(
         shared_robot, type_, name, fields, says):
@@ -272,15 +258,6 @@ def test_a_robot_docks_and_leaves_its_dock(start):
     assert 'by FULL' in result.message
     driving.ready.until_mode(Mode.SAFE)
     assert driving.result(Undock, 'undock').error_code == Undock.Result.NO_DOCK
-
-
-def test_a_wall_is_followed_for_a_while(driving):
-    sent = driving.send(WallFollow, 'wall_follow', follow_side=WallFollow.Goal.FOLLOW_RIGHT,
-                      max_runtime=Duration(sec=2))
-    result = sent.result()
-    assert result.success
-    assert result.runtime.sec in (1, 2)
-    assert not any(each.engaged for each in sent.feedback)
 
 
 CLIENT = """
@@ -390,35 +367,3 @@ def test_a_tune_is_canceled(ready, client):
     assert tune.cancel()
     assert 'canceled; the song that plays goes on' in tune.result().message
     assert tune.status == GoalStatus.STATUS_CANCELED
-
-
-def animate(client, **fields):
-    """Ask for an animation of the LEDs."""
-    return client.send(LedAnimation, 'led_animation', **fields)
-
-
-def test_leds_blink_while_the_robot_drives_and_are_then_as_before(ready, client):
-    ready.ask(SetLeds, 'set_leds', advance=True)
-    lights = animate(client, animation_type=LedAnimation.Goal.BLINK_LIGHTS, play=True,
-                     power_color=255, power_intensity=9, period=Duration(nanosec=300_000_000),
-                     max_runtime=Duration(sec=2))
-    robot = ready.robot.create
-    ready.ros.until(lambda: robot.lights == (oi.LedBits.PLAY, 255, 9), 'lights')
-    assert client.result(DriveDistance, 'drive_distance', distance=0.1).success
-    result = lights.result()
-    assert (result.success, result.message) == (True, 'the animation was shown')
-    assert lights.status == GoalStatus.STATUS_SUCCEEDED and result.runtime == Duration(sec=2)
-    left = [each.remaining_runtime.sec + each.remaining_runtime.nanosec / 1e9
-            for each in lights.feedback]
-    assert left == sorted(left, reverse=True) and 1.5 < left[0] < 2 and left[-1] < 0.5
-    ready.ros.until(lambda: robot.lights == (oi.LedBits.ADVANCE, 0, 0), 'the own setting')
-
-
-def test_an_animation_is_canceled(ready, client):
-    lights = animate(client, animation_type=LedAnimation.Goal.SPIN_LIGHTS, play=True, advance=True)
-    ready.ros.until(lambda: lights.feedback, 'feedback')
-    assert 'the LEDs are animated' in animate(
-        client, animation_type=LedAnimation.Goal.BLINK_LIGHTS, play=True).result().message
-    assert lights.cancel()
-    assert lights.result().message == 'canceled'
-    assert lights.status == GoalStatus.STATUS_CANCELED

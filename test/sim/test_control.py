@@ -59,7 +59,7 @@ def test_every_word_is_understood_or_refused_with_the_reason(robot: Robot) -> No
         'bump both 0.1', 'button play 0.1', 'force wall=1 seconds=0.1', 'unforce wall',
         'unforce', 'lift', 'down', 'drop right caster', 'drop', 'hold left', 'hold',
         'push 0.1 0.5 0.2', 'slip 0.1 0.2 1', 'place 0 0 0', 'load ld0=0.3', 'charger off',
-        'dock off', 'dock on', 'battery charge=0.5 temperature=20 fault=0', 'power off',
+        'dock off', 'dock on', 'battery charge=0.5 temperature=20 fault=0 waits=1', 'power off',
         'power on', 'power toggle', 'power toggle', 'power fail', 'cable cut', 'cable mend',
         'fault flip:0.1 cut@100', 'fault off')
     for line in ('', 'dance', 'bump', 'bump up', 'bump left x', 'force nose=1', 'force',

@@ -3,6 +3,7 @@
 """Goals given to a driver that plays against the simulated robot in memory."""
 
 from math import degrees, radians
+from typing import NamedTuple
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
@@ -10,7 +11,6 @@ from create_oi_ros.driver.goals import (
     Code,
     DriveArc,
     DriveDistance,
-    Ending,
     Goal,
     NavigateToPosition,
     RotateAngle,
@@ -51,13 +51,27 @@ def start(loop: Loop, goal: Goal) -> Goal:
     return loop.driver.goals.start(goal, loop.now)
 
 
+class Ending(NamedTuple):
+    """How a goal ended."""
+
+    code: Code
+    text: str
+    docked: bool
+
+
+def ending_of(goal: Goal) -> Ending:
+    """Return how a goal ended."""
+    assert goal.outcome is not None and goal.outcome.ok is (goal.code is Code.NONE)
+    return Ending(goal.code, goal.outcome.text, goal.docked)
+
+
 def until_ended(loop: Loop, running: Goal) -> Ending:
     """Let time pass until the goal has ended."""
     deadline = loop.now + PATIENCE
     while running.outcome is None:
         assert loop.now < deadline, 'the goal has not ended'
         loop.turn()
-    return running.outcome
+    return ending_of(running)
 
 
 def pursue(loop: Loop, goal: Goal) -> Ending:
@@ -101,4 +115,4 @@ def ended(loop: Loop, running, within: float = 2 * FRAME) -> Ending:
     loop.run(2 * STEP)
     assert loop.robot.actuators.wheels == (0, 0)
     assert loop.driver.state.activity is not Activity.GOAL
-    return running.outcome
+    return ending_of(running)

@@ -13,16 +13,13 @@ import json
 from math import isfinite
 from typing import Any, NamedTuple
 
-from create_oi_msgs.action import LedAnimation
-
 from ...robot import TOP_SPEED
 from ...ros.actions import ALL_ACTIONS, malformed
 from ...ros.messages import filled
 from ...ros.services import SERVICES
 from .access import TOP_TURN
 
-GOALS: Mapping[str, Any] = {
-    action.name: action.type for action in ALL_ACTIONS if action.type is not LedAnimation}
+GOALS: Mapping[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
 """The type of each action that a page shows, by its name."""
 CALLS: Mapping[str, Any] = {each.name: each.type for each in SERVICES if each.name in (
     'set_mode', 'stop', 'set_leds', 'reset_odometry')}

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 from ... import oi
 from ...oi.codes import BEAMS
-from ..battery import charges
-from ..events import Cause
+from ..battery import charges, charging
+from ..events import Cause, Charging
 from ..mode import docked
 from ..motion import Velocity
 from .goal import (
@@ -85,14 +85,13 @@ class Dock(Goal):
                 yield Enter(oi.Mode.PASSIVE)
                 continue
             seconds += self.view.dt
+            does = charging(readings)
             if charges(readings):
-                full = readings.charging_state in (
-                    oi.ChargingState.TRICKLE, oi.ChargingState.WAITING)
-                yield Over(Code.NONE, f'docked; the battery {"is full" if full else "charges"}')
+                yield Over(Code.NONE, f'docked; the battery {does.value}')
             if seconds > CHARGE_WAIT:
-                unknown = readings.charging_state is None
-                yield Over(Code.NONE, 'docked; whether the battery charges is not known' if unknown
-                           else 'docked, but the battery does not charge: see the log')
+                yield Over(Code.NONE, f'docked, but the battery {does.value}: see the log'
+                           if does is Charging.FAILS else
+                           'docked; whether the battery charges is not known')
             yield Instruction.GO_ON
 
     def timed_out(self) -> Over:
@@ -119,12 +118,12 @@ class Undock(DrivingGoal):
             self.known_cliff = self.known_bump = True
         if self._docked and self._mode is not oi.Mode.FULL:
             self.stall = Stall()  # Safe may hold the robot
+        if self.begun_at is None and not self._docked:
+            return Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
         return super().hazard()
 
     def orders(self) -> Iterator[Order]:
         """Drive back; where Safe holds the robot, leave the dock in Full, and return to Safe."""
-        if not self._docked:
-            yield Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
         self._measure()
         self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD_TIME + 2 * MODE_WAIT)
         mode = first = oi.Mode.FULL if self._mode is oi.Mode.FULL else oi.Mode.SAFE

@@ -11,7 +11,7 @@ goal for reasons that are not its own: a stop, another goal, a lost robot.
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from enum import auto, Enum, IntEnum
-from math import inf, isfinite, tau
+from math import inf, isfinite, radians, tau
 from typing import NamedTuple
 
 from ... import oi
@@ -20,7 +20,8 @@ from ...robot import MILLI
 from ..events import Cause, MotionLimits
 from ..mode import causes_in
 from ..motion import BUMPS, Velocity
-from ..outbox import Awaited
+from ..outbox import Pending
+from ..stream import requested_speeds
 
 MAX_DISTANCE, MAX_ANGLE = 1000.0, 1000 * tau
 """Metres and radians of one goal at most: the odometry is worth little after that."""
@@ -60,8 +61,6 @@ class Phase(Enum):
     SEES_DOCK = auto()
     DOCKED = auto()
     CHARGING = auto()
-    SEARCHING = auto()
-    ENGAGED = auto()
 
 
 class Progress(NamedTuple):
@@ -76,20 +75,6 @@ class Progress(NamedTuple):
     """Character that the infrared receiver receives; 0 for a goal that does not look."""
 
 
-class Ending(NamedTuple):
-    """How a goal ended."""
-
-    code: Code
-    text: str
-    """For people: what was done; or why not, and what to do."""
-    estimate: Estimate = Estimate()
-    """Where the robot was then."""
-    seconds: float = 0.0
-    """How long the goal ran."""
-    docked: bool = False
-    """Whether the robot was on the contacts of a Home Base then."""
-
-
 class Malformed(ValueError):
     """A goal that no robot could follow: what is wrong with it, and what is allowed."""
 
@@ -101,29 +86,15 @@ MIN_COAST, MAX_COAST = 0.03, 0.8
 COAST_DRIFT, COAST_NOISE = 0.02, 0.002
 """Seconds by which the coast differs from stop to stop, and metres by which one is measured
 wrongly."""
-PUSH_SPREAD, PUSH_DRIFT, PUSH_NOISE = 0.5, 0.1, 0.001
-"""Standard deviations of the way of a push over its speed times its length, from robot to robot
-and from push to push; and metres by which one is measured wrongly."""
-MIN_PUSH, MAX_PUSH = 0.3, 3.0
 
 
 class StoppingModel:
-    """What one way teaches the next, of one robot."""
+    """How far one robot travels on after a stop; each stop teaches the next."""
 
     def __init__(self) -> None:
         self.coast = COAST
         """Seconds of its speed that the robot travels on after a stop."""
         self._variance = COAST_SPREAD ** 2
-        self.push = 1.0
-        """The way of a push over its speed times its length."""
-        self._push_variance = PUSH_SPREAD ** 2
-
-    def pushed(self, asked: float, way: float) -> None:
-        """Learn from a push that was to lead a way `asked`, m, and led another."""
-        gain = self._push_variance / (self._push_variance + (PUSH_NOISE / asked) ** 2)
-        ratio = max(MIN_PUSH, min(MAX_PUSH, way / asked * self.push))
-        self.push += gain * (ratio - self.push)
-        self._push_variance = self._push_variance * (1 - gain) + PUSH_DRIFT ** 2
 
     def stopped(self, pace: float, way: float) -> None:
         """Learn from a stop at a pace, m/s, after which the robot still travelled a way, m."""
@@ -183,8 +154,8 @@ Order = Velocity | Enter | Instruction | Over
 """A velocity to drive at, or one of the orders above."""
 
 
-class Goal(Awaited[Ending], ABC):
-    """One goal, pursued once; SI units. Its outcome is how it ended."""
+class Goal(Pending, ABC):
+    """One goal, pursued once; SI units."""
 
     needs_driving = True
     """Whether the robot must follow velocities when the goal begins."""
@@ -203,18 +174,20 @@ class Goal(Awaited[Ending], ABC):
         """When the robot was in its mode and the goal began; None before."""
         self.progress = Progress()
         """How far the goal is."""
+        self.code = Code.NONE
+        """How it ended, as a number."""
+        self.estimate = Estimate()
+        """Where the robot was then."""
+        self.docked = False
+        """Whether the robot was on the contacts of a Home Base then."""
         self.view: View
         """The newest view."""
-        self.commanded = Velocity()
-        """The velocity since the view before."""
         self._orders = self.orders()
 
     def step(self, view: View) -> Order:
         """Return what to do until the next frame; the first view begins the goal."""
         self.view = view
-        order = self.hazard() or next(self._orders)
-        self.commanded = order if isinstance(order, Velocity) else Velocity()
-        return order
+        return self.hazard() or next(self._orders)
 
     @abstractmethod
     def hazard(self) -> Over | None:
@@ -260,7 +233,7 @@ WHEELS = int(oi.Overcurrents.LEFT_WHEEL | oi.Overcurrents.RIGHT_WHEEL)
 OVERLOAD_TIME = 0.5
 """Seconds for which a wheel must draw too much current to count as held."""
 STALL_DISTANCE, MIN_FOLLOWED = 0.15, 0.3
-"""Metres of a wheel after which it is compared with what it was told, and the least part of that
+"""Metres of a wheel after which it is compared with what was asked, and the least part of that
 which a wheel that is not held travels."""
 STALL_TIME = 2.0
 """Seconds over which it is compared at least."""
@@ -292,29 +265,36 @@ def cliffs(readings: oi.Readings) -> list[str]:
 
 
 class Stall:
-    """Notices wheels that do not follow what they are told."""
+    """
+    Notices wheels that do not turn as the robot says that it was asked to turn them.
+
+    How far they went is what the robot has counted, and what it may have dropped of that at each
+    reading: a wheel that is slow, for whatever reason, is not taken for one that is held.
+    """
 
     def __init__(self) -> None:
         self._overloaded = 0.0
         self._restart()
 
     def _restart(self) -> None:
-        self._commanded = self._went = self._seconds = 0.0
+        self._asked = self._went = self._seconds = 0.0
 
-    def check(self, view: View, commanded: Velocity) -> Over | None:
-        """Return what ends the motion; `commanded` is the velocity since the frame before."""
+    def check(self, view: View) -> Over | None:
+        """Return what ends the motion."""
         readings, dt = view.readings, view.dt
         overloaded = readings.has('overcurrents') and int(readings.overcurrents) & WHEELS
         self._overloaded = self._overloaded + dt if overloaded else 0.0
         if self._overloaded > OVERLOAD_TIME:
             return Over(Code.STALL, 'a wheel draws too much current: is it held or blocked?')
-        half = view.limits.wheel_separation / 2
-        self._commanded += (abs(commanded.linear) + abs(commanded.angular) * half) * dt
-        self._went += (abs(view.estimate.linear) + abs(view.estimate.angular) * half) * dt
+        self._asked += max(abs(speed or 0) for speed in requested_speeds(readings)) * MILLI * dt
         self._seconds += dt
-        if self._commanded < STALL_DISTANCE or self._seconds < STALL_TIME:
+        if not view.measured:
             return None
-        stalled = self._went < MIN_FOLLOWED * self._commanded
+        turned = radians(abs(readings.angle) + 1) * view.limits.wheel_separation / 2
+        self._went += (abs(readings.distance) + 1) * MILLI + turned
+        if self._asked < STALL_DISTANCE or self._seconds < STALL_TIME:
+            return None
+        stalled = self._went < MIN_FOLLOWED * self._asked
         self._restart()
         if not stalled:
             return None
@@ -329,14 +309,9 @@ class DrivingGoal(Goal):
     backwards, or for the bumper in place. Once it has gone and come back, it does.
     """
 
-    def __init__(self, allowance: float, direction: int = 0, *, bumper: bool = True) -> None:
-        """
-        Take the way that the motion leads first: 1 forward, -1 backward, 0 a turn.
-
-        Without `bumper` a bump is no hazard.
-        """
+    def __init__(self, allowance: float, direction: int = 0) -> None:
+        """Take the way that the motion leads first: 1 forward, -1 backward, 0 a turn."""
         super().__init__(allowance)
-        self._bumper = bumper
         self.forward = direction > 0
         """Whether the motion leads forward now."""
         self.known_cliff, self.known_bump = direction < 0, True
@@ -349,7 +324,7 @@ class DrivingGoal(Goal):
             return NO_SPEED
         if dropped(readings):
             return LIFTED
-        cliff, bump = bool(cliffs(readings)), self._bumper and bool(bumps(readings))
+        cliff, bump = bool(cliffs(readings)), bool(bumps(readings))
         self.known_cliff, self.known_bump = self.known_cliff and cliff, self.known_bump and bump
         if cliff and (self.forward or not self.known_cliff):
             return Over(
@@ -357,4 +332,4 @@ class DrivingGoal(Goal):
         if bump and (self.forward or not self.known_bump):
             return Over(Code.BUMP, f'the bumper is pressed {SIDES[bumps(readings)]}: drive '
                         'backwards or turn away')
-        return self.stall.check(view, self.commanded)
+        return self.stall.check(view)

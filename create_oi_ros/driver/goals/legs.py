@@ -15,20 +15,7 @@ each stop. Where a stop left it short or too far, the robot creeps on, or back.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from math import (
-    atan2,
-    copysign,
-    cos,
-    degrees,
-    hypot,
-    inf,
-    pi,
-    radians,
-    remainder,
-    sin,
-    sqrt,
-    tau,
-)
+from math import atan2, copysign, cos, degrees, hypot, inf, pi, radians, remainder, sin, sqrt, tau
 from typing import NamedTuple
 
 from ...odometry import Estimate
@@ -171,14 +158,12 @@ class Leg(ABC):
         while abs(left := self._left) > self._tolerance and corrections < MAX_CORRECTIONS:
             self.correcting = True
             yield 0.0
-            sign, by_push = copysign(1.0, left), abs(left) < PUSH_DISTANCE
-            yield from self._push(left) if by_push else self._drive(sign)
+            sign = copysign(1.0, left)
+            yield from self._push(left) if abs(left) < PUSH_DISTANCE else self._drive(sign)
             went = (left - self._left) * sign
             if went < MIN_CORRECTED * abs(left) and self._creep < self._faster():
                 self._creep = self._faster()  # and it was no correction
                 continue
-            if by_push:
-                self._learned.pushed(abs(left), went)
             corrections += 1
 
     def _drive(self, sign: float) -> Iterator[float | Instruction]:
@@ -208,7 +193,7 @@ class Leg(ABC):
 
     def _push(self, way: float) -> Iterator[float | Instruction]:
         """Push the robot a short way, m: for a set time, rounded to frames."""
-        left = abs(way) / self._creep / self._learned.push
+        left = abs(way) / self._creep
         while left > self._view.dt / 2:
             left -= self._view.dt
             yield copysign(self._creep, way)

@@ -1,20 +1,12 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""
-Goals that drive: a distance, an angle, an arc, a place by the odometry; and along a wall.
-
-How strong a wall's signal is depends on its colour, but the robot itself says whether it sees a
-wall. So it bends away while it does and towards the wall while it does not. At a touch it backs
-off a little and turns left.
-"""
+"""Goals that drive: a distance, an angle, an arc, a place by the odometry."""
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from math import atan2, hypot, inf, remainder, tau
+from math import atan2, hypot, remainder, tau
 
-from ..motion import Velocity
 from .goal import (
-    bumps,
     check_finite,
     check_range,
     Code,
@@ -27,7 +19,6 @@ from .goal import (
     Order,
     Over,
     Phase,
-    Progress,
     ROUNDING,
 )
 from .legs import Arc, Leg, Straight, STRAIGHT_TOLERANCE
@@ -184,59 +175,3 @@ def check_angle(angle: float) -> str:
     check_range('angle', angle, 'rad', -MAX_ANGLE, MAX_ANGLE)
     turns = abs(angle) / tau
     return f'{angle:g} rad is {turns:.1f} turns: degrees?' if turns > MANY_TURNS else ''
-
-
-RIGHT = -1
-"""The side of the sensor, as the action has it."""
-SPEED, BEND = 0.15, 0.35
-"""m/s, and rad/s along a wall."""
-CORNER = 0.6
-"""rad/s to the right where the wall has ended: round its end, on a circle of 25 cm."""
-WALL_ENDED_TIME, ENGAGED = 0.5, 2.0
-"""Seconds without the wall after which it has ended, and after which none is followed."""
-MINUTE = 60.0
-BACK, BACK_TIME = Velocity(-0.1, 0.0), 0.4
-TURN, TURN_TIME = Velocity(0.0, 1.2), 0.5
-"""Velocities after a touch, and for how many seconds: back a little, then turn left."""
-
-
-class WallFollow(DrivingGoal):
-    """Follow a wall for a while."""
-
-    def __init__(self, side: int, runtime: float, allowance: float) -> None:
-        """Take the side, and seconds; Malformed says what this robot could not follow."""
-        super().__init__(allowance, direction=1, bumper=False)
-        if side != RIGHT:
-            raise Malformed(f'follow_side = {side}; allowed: {RIGHT}, the right: there is the '
-                            'only wall sensor')
-        check_range('max_runtime', runtime, 's', 0.0)
-        self._runtime = runtime or MINUTE
-        self.allowance = self.allowance or 2 * self._runtime
-        self.progress = Progress(phase=Phase.SEARCHING)
-
-    def orders(self) -> Iterator[Order]:
-        """Follow the wall until the time is over."""
-        begun_at, seen_at, touched_at = self.view.now, -inf, -inf
-        while (now := self.view.now) - begun_at < self._runtime:
-            touches = bool(bumps(self.view.readings))
-            sees = bool(self.view.readings.number('wall', 0))
-            if touches or sees:
-                seen_at = now
-            if touches and now - touched_at >= BACK_TIME + TURN_TIME:
-                touched_at = now
-            unseen, touched = now - seen_at, now - touched_at
-            self.progress = Progress(
-                phase=Phase.ENGAGED if unseen <= ENGAGED else Phase.SEARCHING)
-            if touched < BACK_TIME:
-                velocity = BACK
-            elif touched < BACK_TIME + TURN_TIME:
-                velocity = TURN
-            elif unseen == inf:
-                velocity = Velocity(SPEED, 0.0)
-            elif sees:
-                velocity = Velocity(SPEED, BEND)
-            else:
-                velocity = Velocity(SPEED, -CORNER if unseen > WALL_ENDED_TIME else -BEND)
-            self.forward = velocity.linear > 0
-            yield velocity
-        yield Over(Code.NONE, f'followed for {self._runtime:g} s')

@@ -18,14 +18,7 @@ from typing import TextIO
 from ..packets import PacketList
 from ..readings import PACKETS
 from .capture_format import CaptureError, CaptureReader, records_of
-from .explain import (
-    decimal,
-    explain_commands,
-    explain_replies,
-    explain_stream,
-    octets,
-    understood,
-)
+from .explain import decimal, explain_commands, explain_replies, explain_stream, octets, understood
 from .tables import budget_lines, columns, commands_table, document, packets_table
 from .text import PACKET_NAMES, parse_commands, plain
 from .transcript import explain_capture

@@ -48,7 +48,8 @@ LOW_SIDE_LIMITS = (0.5, 0.5, 1.5)
 class Battery:
     """Charge in ampere hours, current in amperes (negative discharging), temperature in °C."""
 
-    __slots__ = ('charge', 'current', 'temperature', 'state', 'fault', '_trickled', '_hot')
+    __slots__ = (
+        'charge', 'current', 'temperature', 'state', 'fault', 'waits', '_trickled', '_hot')
 
     def __init__(self) -> None:
         self.charge = CAPACITY * INITIAL_LEVEL
@@ -57,6 +58,8 @@ class Battery:
         self.state = ChargingState.NOT_CHARGING
         self.fault = False
         """Set from outside: the battery refuses to be charged."""
+        self.waits = False
+        """Set from outside: a charger waits, whatever is left of the charge."""
         self._trickled = 0.0
         self._hot = False
 
@@ -92,7 +95,8 @@ class Battery:
         self._hot = self.temperature > HOT - (COOLER if self._hot else 0)
         if self.fault:
             return ChargingState.FAULT
-        if self._hot or self.state is ChargingState.WAITING and level > RECHARGE_BELOW:
+        filled = self.state is ChargingState.WAITING and level > RECHARGE_BELOW
+        if self.waits or self._hot or filled:
             return ChargingState.WAITING
         if level < RECONDITIONING_BELOW:
             return ChargingState.RECONDITIONING

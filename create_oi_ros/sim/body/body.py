@@ -195,8 +195,8 @@ class Body:
         self._sensed = None
 
     def set_battery(self, *, charge: float | None = None, temperature: float | None = None,
-                    fault: bool | None = None) -> None:
-        """Set charge (fraction of capacity), temperature (deg C) and the charger's fault."""
+                    fault: bool | None = None, waits: bool | None = None) -> None:
+        """Set charge (fraction of capacity), temperature (deg C); make a charger fail, or wait."""
         battery = self._electrics.battery
         if charge is not None:
             battery.charge = _fraction(charge) * CAPACITY
@@ -205,6 +205,8 @@ class Body:
             battery.temperature = temperature
         if fault is not None:
             battery.fault = fault
+        if waits is not None:
+            battery.waits = waits
         self._sensed = None
 
     def load(self, *, ld0: float = 0.0, ld1: float = 0.0, ld2: float = 0.0) -> None:

@@ -301,7 +301,8 @@ class Create:
         self._demos.stop()
         if mode is Mode.PASSIVE:
             self.actuators.turn_wheels(STANDING)
-            self.actuators.switch_drivers(0, 0, 0)
+            if self.guesses.passive_ends_drivers:
+                self.actuators.switch_drivers(0, 0, 0)
         elif mode is Mode.SAFE or self.mode is Mode.PASSIVE:
             self.actuators.lights = DARK
         self.mode = mode

@@ -42,6 +42,8 @@ class Guesses:
     dock_charges: bool = True
     """Passive, entered on the contacts of a Home Base, begins to charge; else only a restart does
     (reported of some)."""
+    passive_ends_drivers: bool = True
+    """Passive switches the low side drivers off; else they run on, and obey no command there."""
     stream_while_waiting: bool = True
     """The stream goes on while a script waits."""
     wait_queue: int = 256

@@ -270,11 +270,11 @@ class Interpreter:
     def do_dock(self, words: list[str]) -> None:
         self._body.power_home_base(_choice(words, 'on', 'off') == 'on')
 
-    @word('[charge=0..1] [temperature=C] [fault=0|1]', 'set the state of the battery')
+    @word('[charge=0..1] [temperature=C] [fault=0|1] [waits=0|1]', 'set the battery and a charger')
     def do_battery(self, words: list[str]) -> None:
-        values: dict[str, Any] = _assignments(words, ('charge', 'temperature', 'fault'))
-        if 'fault' in values:
-            values['fault'] = bool(values['fault'])
+        values: dict[str, Any] = _assignments(words, ('charge', 'temperature', 'fault', 'waits'))
+        for name in {'fault', 'waits'} & values.keys():
+            values[name] = bool(values[name])
         self._body.set_battery(**values)
 
     @word('on|off|toggle|fail',

@@ -11,7 +11,6 @@ const DEGREES = { unit: '°', scale: Math.PI / 180 };
 const SPEED = { label: 'At', unit: 'm/s', value: 0.2, min: 0.05 };
 const BEHIND = 0.3;   // metres that an undocking robot drives
 const TURN = 2 * Math.PI, ARC_STEP = Math.PI / 18;
-const ON_RIGHT = -1;  // the side on which a wall is followed
 // For each action: its name, its fields in the form, what is sent, and where the robot gets to on a
 // straight way, or by steps on a circle.
 const GOALS = {
@@ -46,10 +45,6 @@ const GOALS = {
   dock: { title: 'Go and dock', hint: 'It looks for the Home Base, in Passive.' },
   undock: { title: 'Leave the dock', hint: 'Backwards; keep 30 cm behind the robot free.',
             way: pose => [ahead(pose, -BEHIND)] },
-  wall_follow: {
-    title: 'Follow a wall', hint: 'On its right side.',
-    fields: { seconds: { label: 'For', unit: 's', value: 60, min: 10 } },
-    goal: ({ seconds }) => ({ follow_side: ON_RIGHT, max_runtime: { sec: Math.round(seconds) } }) },
 };
 const STEPS = {
   navigate_state: ['', 'turns to the place', 'drives', 'turns to the heading'],
@@ -206,11 +201,10 @@ function left({ navigate_state: state, remaining_travel_distance: metres,
 }
 
 function inWords(feedback) {
-  const { metres, angle } = left(feedback), { engaged } = feedback;
+  const { metres, angle } = left(feedback);
   const words = Object.entries(STEPS).map(([field, names]) => names[feedback[field]]);
   if (metres !== undefined) words.push(`${metres.toFixed(2)} m left`);
   if (angle !== undefined) words.push(`${Math.round(angle * 180 / Math.PI)}° left`);
-  if (engaged !== undefined) words.push(engaged ? 'follows a wall' : 'looks for a wall');
   if (feedback.red_buoy) words.push('red beam');
   if (feedback.green_buoy) words.push('green beam');
   return words.filter(Boolean).join(', ');

@@ -1,0 +1,149 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Whether the robot listens, and who may send what while it may not.
+
+The line to the robot has no checksum and no acknowledgement. A robot that is off, that waits, or
+that is in the middle of a command takes nothing. What it is sent meanwhile is lost, in part even,
+or is obeyed afterwards, until its queue is full. So the driver asks a question: for a list of
+packets that is asked for nothing else. The first frame of that list is the answer. It is never
+the list that the robot streams already, nor that of the question before, so no frame that is
+still on its way is taken for the answer.
+
+A question is open from when a robot is called; from when a script is sent to play; and from when
+a robot shows no sign that it takes commands, such as another list that it was asked for, or the
+speeds that it was sent. While a question is open,
+
+- it is asked again: by each call, or ever more seldom;
+- one stop is sent to a robot whose frames come, and any number to one that is called;
+- the driver sends nothing else of its own: no lists, modes, songs or LEDs, and no speeds but one
+  zero. None of what it sends can do harm where a part of it is lost;
+- requests are refused where it is certain that the robot does not listen (`Core.refusal`).
+"""
+
+from collections.abc import Callable, Iterable
+from enum import IntEnum
+from math import inf
+
+from .. import oi
+from .events import Severity
+from .outbox import Outbox, WAKE_UP
+
+QUESTIONS = tuple(oi.PacketList([name]) for name in ('infrared', 'buttons', 'virtual_wall'))
+"""The usual ones. No part of a Stream of these can do harm, not even read at another rate, where
+that of the mode restarts the robot or starts Cover."""
+ASK_INTERVAL, ASK_FRACTION = 0.2, 0.2
+"""Seconds between two times that a question is asked; at least this part of the time for which it
+is open, so that a long wait gets few."""
+IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told it to wait; '
+           'lift it, switch it off and on')
+
+
+class Doubt(IntEnum):
+    """What the driver does as long as the robot shows no sign that it takes commands."""
+
+    NONE = 0
+    HOLD_BACK = 1
+    """Open a question: the robot may wait, or be in the middle of a command."""
+    WAKE = 2
+    """Send what ends a command that was cut short."""
+    REPORT = 3
+    """Tell the user."""
+
+
+DOUBT_TIMES = (0.3, 0.9, 1.5)
+"""Seconds without a sign after which each of these begins."""
+
+
+class Listening:
+    """The open question, and the doubt that opens one."""
+
+    def __init__(self, outbox: Outbox, notice: Callable[[Severity, str], None]) -> None:
+        self._outbox, self._notice = outbox, notice
+        self._list = self._newest = oi.PacketList([])
+        """What the question asks for, and what the newest frame brought."""
+        self.open = False
+        """Whether a question waits for its answer."""
+        self._asked = False
+        """Whether it was asked."""
+        self._since = self._due = inf
+        """From when on it is asked, and when it is asked next."""
+        self.stop_sent = False
+        """Whether a stop was sent since it is open."""
+        self.trust()
+
+    # Questions.
+
+    def begin(self, due: float = inf, lists: Iterable[oi.PacketList] = QUESTIONS) -> None:
+        """Open a question for one of some lists; `poll` asks it from `due` on."""
+        self._list = next((each for each in lists if each not in (self._list, self._newest)),
+                          self._list)
+        self.open, self._asked, self.stop_sent = True, False, False
+        self._since = self._due = due
+
+    def ask(self) -> None:
+        """Ask the question; it is open again where its answer led to nothing."""
+        self.open = self._asked = True
+        self._outbox.send(oi.Stream(packets=self._list.ids))
+
+    def answered(self, packets: oi.PacketList) -> bool:
+        """Tell whether a frame of this list answers the question, which is closed then."""
+        self._newest = packets
+        if not self.open or not self._asked or packets != self._list:
+            return False
+        self.open = False
+        return True
+
+    def poll(self, now: float) -> None:
+        """Ask the open question again, when it is time."""
+        if self.open and now >= self._due and not self._outbox.busy:
+            self.ask()
+            self._due = now + max(ASK_INTERVAL, ASK_FRACTION * (now - self._since))
+
+    # Doubt.
+
+    @property
+    def ignores(self) -> bool:
+        """Whether the robot ignores commands, and the user was told."""
+        return self.doubt is Doubt.REPORT
+
+    def trust(self) -> None:
+        """Start anew: the robot was away, takes commands, or cannot take them now."""
+        self._streamed: tuple[int, ...] | None = None
+        """The packets of the newest frame that answered no question."""
+        self.unseen_since: float | None = None
+        """When the robot was asked for another list that no frame has shown yet."""
+        self.doubt = Doubt.NONE
+
+    def asked(self, packets: tuple[int, ...], now: float) -> None:
+        """Note that the robot was asked for frames with these packets."""
+        if self.unseen_since is None and self._streamed not in (None, packets):
+            self.unseen_since = now
+
+    def seen(self, packets: tuple[int, ...]) -> None:
+        """Note the packets of a frame; where they change, the robot took a command."""
+        if packets != self._streamed:
+            self._streamed, self.unseen_since = packets, None
+
+    def check(self, missed_since: float | None, now: float) -> bool:
+        """
+        Doubt a robot without a sign; True when it has just shown that it takes commands.
+
+        `missed_since`: when speeds were sent that the robot has not taken; None: it took all.
+        """
+        before = self.doubt
+        times = [since for since in (missed_since, self.unseen_since) if since is not None]
+        if not times:
+            self.doubt = Doubt.NONE
+            self.open = self.open and not before
+            return bool(before)
+        waits = now - min(times)
+        self.doubt = max(before, Doubt(sum(waits > limit for limit in DOUBT_TIMES)))
+        if self.doubt > before:
+            if not before:
+                self.begin(now)
+            if self.doubt is Doubt.WAKE:
+                self._outbox.send_raw(WAKE_UP)
+            elif self.ignores:
+                self._notice(Severity.ERROR, IGNORES)
+        return False
