@@ -62,7 +62,7 @@ class Create:
         self._uart = Uart(overrun=guesses.overrun, buffer=guesses.transmit_buffer)
         self._power = Power()
         self._telemetry = sensing.Telemetry(body, checksum)
-        self._demos = DemoPlayer(Controls(body, self.actuators, Random(seed), self._sound))
+        self._demos = DemoPlayer(Controls(body, self.actuators, Random(seed)))
         self._reset()
 
     def _reset(self) -> None:
