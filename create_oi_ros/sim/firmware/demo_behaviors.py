@@ -233,7 +233,7 @@ DRIVING: dict[DemoNumber, Callable[[Controls], Demo]] = {
     DemoNumber.DRIVE_FIGURE_EIGHT: figure_eight,
 }
 """The demos that drive; in the others the robot stands."""
-NUMBERS = [demo for demo in DemoNumber if demo is not DemoNumber.ABORT]
+NUMBERS: list[DemoNumber] = [demo for demo in DemoNumber if demo is not DemoNumber.ABORT]
 
 
 ENDED = object()
