@@ -149,21 +149,21 @@ def test_a_reader_that_ends_early_is_no_error(tmp_path):
     os.close(reader)
     with os.fdopen(writer) as output:
         done = subprocess.run(
-            [sys.executable, '-c', PROGRAMS['create_sim'], '--export', 'room.sdf'], text=True,
+            [sys.executable, '-c', PROGRAMS['create_sim'], '--export', 'room.yaml'], text=True,
             stdout=output, stderr=subprocess.PIPE, timeout=60, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, '')
 
 
 def test_a_path_may_hold_letters_that_the_output_cannot(tmp_path):
-    done = run('create_sim', '--export', str(tmp_path / 'ä.sdf'), PYTHONIOENCODING='ascii')
+    done = run('create_sim', '--export', str(tmp_path / 'ä.yaml'), PYTHONIOENCODING='ascii')
     assert (done.returncode, done.stderr) == (0, '')
-    assert '\\xe4.sdf: walls for Gazebo' in done.stdout
+    assert '\\xe4.yaml and ' in done.stdout
 
 
 def test_output_may_be_closed(tmp_path):
     done = subprocess.run(
         ['bash', '-c', '"$@" >&-', 'bash', sys.executable, '-c', PROGRAMS['create_sim'],
-         '--export', 'room.sdf'], capture_output=True, text=True, timeout=60, cwd=tmp_path)
+         '--export', 'room.yaml'], capture_output=True, text=True, timeout=60, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, '')
 
 
