@@ -25,8 +25,7 @@ from create_oi_ros.ros.parameters import contradiction, Parameters, refusal, wro
 from create_oi_ros.ros.programs import check_environment, explained, MODULES, PROGRAMS, UserError
 
 ROS_PROGRAMS = {
-    'create_node': [], 'create_run': ['--world', 'empty'], 'create_record': ['-o', 'new'],
-    'create_demo': ['--short', '-o', 'new']}
+    'create_node': [], 'create_run': ['--world', 'empty'], 'create_record': ['-o', 'new']}
 
 
 def run(program: str, *arguments: str, cwd=None, **environment: str | None):
@@ -119,8 +118,8 @@ def test_a_parameter_file_that_cannot_be_read(content, tmp_path):
 
 
 @pytest.mark.parametrize(('program', 'arguments', 'words'), [
-    ('create_demo', ['-o', '/proc/demo'], '/proc/demo: it does not exist'),
-    ('create_demo', ['-o', f'{__file__}/demo'], 'a part of this path is a file'),
+    ('create_record', ['-o', '/proc/demo'], '/proc/demo: it does not exist'),
+    ('create_record', ['-o', f'{__file__}/demo'], 'a part of this path is a file'),
 ])
 def test_files_that_cannot_be_written(program, arguments, words, tmp_path):
     done = run(program, *arguments, cwd=tmp_path)
