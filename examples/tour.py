@@ -73,7 +73,7 @@ STEPS = {'a square': square, 'three circles': circles, 'two walls': walls, 'two 
 
 
 def main() -> None:
-    argparse.ArgumentParser(usage=__doc__).parse_args(remove_ros_args()[1:])
+    argparse.ArgumentParser(description=__doc__).parse_args(remove_ros_args()[1:])
     with GoalClient() as robot:
         wait_for_robot(robot.node)
         robot.call('set_leds', play=True, power_color=0, power_intensity=255)
