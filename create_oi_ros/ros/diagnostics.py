@@ -166,9 +166,9 @@ def _battery(readings: oi.Readings, charge: float, temperature: float,
 
 
 def driver(
-    health: Health, stale_commands: int, publishers: Sequence[str], *, contested: bool,
+    health: Health, stale_commands: int, publishers: Sequence[str],
 ) -> DiagnosticStatus:
-    """Say what the driver is doing; `publishers` of `cmd_vel`, `contested`: two of them send."""
+    """Say what the driver is doing; `publishers` of `cmd_vel` are full names of nodes."""
     level, message = OK, health.activity.value
     if health.ignores_commands:
         level, message = ERROR, 'the robot ignores commands: switch it off and on'
@@ -178,8 +178,6 @@ def driver(
         level, message = WARN, health.busy
     elif health.angle_stuck:
         level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'
-    elif contested:
-        level, message = WARN, f'{len(publishers)} nodes publish cmd_vel: the newest command wins'
     return status('driver', level, message, {
         'stale commands dropped': stale_commands,
         'cmd_vel publishers': ', '.join(publishers) or 'none',

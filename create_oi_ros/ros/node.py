@@ -201,8 +201,7 @@ class CreateNode(Node):
                 health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
             diagnostics.mode(health), diagnostics.safety(health),
             diagnostics.battery(health, charge_known=self.parameters.charge_known),
-            diagnostics.driver(health, self._stale, self._graph.publishers,
-                               contested=self._graph.contested),
+            diagnostics.driver(health, self._stale, self._graph.publishers),
             diagnostics.odometry(health), diagnostics.parameters(self.parameters)])
         for status in message.status:
             status.name = f'{self.get_fully_qualified_name().lstrip("/")}: {status.name}'
