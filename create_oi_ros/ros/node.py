@@ -11,6 +11,7 @@ from typing import Any
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
@@ -39,7 +40,7 @@ class CreateNode(Node):
 
     def __init__(self, ended: Future, **options: Any) -> None:
         """
-        Declare everything; ValueError says which parameter is wrong. No port is opened yet.
+        Declare everything; ValueError or ParameterException: a parameter is wrong.
 
         `ended` gets the exit code when the node cannot go on; options are those of rclpy's Node,
         such as `namespace` and `cli_args` where several robots share a process.
@@ -234,7 +235,7 @@ def run(program: str, make: Callable[[Future], list[CreateNode]]) -> int:
     with ros_executor() as executor:
         try:
             nodes = make(ended)
-        except ValueError as error:
+        except (ValueError, ParameterException) as error:
             print(f'{program}: {error}', file=sys.stderr)
             return 2
         for node in nodes:

@@ -47,7 +47,7 @@ NEEDED = ('aiohttp', 'numpy', 'serial', 'yaml')
 """Python modules that may be missing."""
 FOR_BAGS = {'mcap': ((1, 5), (2,)), 'rosbags': ((0, 11), (0, 12))}
 """Libraries without a Debian package: the first version that fits, and the first that may not."""
-NEED_BAGS = ('create_demo', 'create_record', 'create_report')
+NEED_BAGS = ('create_record', 'create_report')
 """Programs that read or write bags."""
 JAZZY = Path('/opt/ros/jazzy/setup.bash')
 MAKE = '`make` in a clone of this repository, then `source env.sh` there'
