@@ -34,7 +34,6 @@ setup(
     entry_points={
         'console_scripts': [
             'create_check = create_oi_ros.ros.programs:create_check',
-            'create_fleet = create_oi_ros.ros.programs:create_fleet',
             'create_lidar = create_oi_ros.ros.programs:create_lidar',
             'create_node = create_oi_ros.ros.programs:create_node',
             'create_record = create_oi_ros.ros.programs:create_record',

@@ -29,7 +29,6 @@ from .. import __version__
 PACKAGE = __package__.partition('.')[0]
 MODULES = {
     'create_check': 'apps.check.create_check',
-    'create_fleet': 'apps.fleet',
     'create_lidar': 'apps.lidar',
     'create_node': 'ros.node',
     'create_record': 'apps.record',
@@ -246,7 +245,6 @@ def _rule(text: str) -> str:
 
 
 create_check = partial(_run, 'create_check')
-create_fleet = partial(_run, 'create_fleet')
 create_lidar = partial(_run, 'create_lidar')
 create_node = partial(_run, 'create_node')
 create_record = partial(_run, 'create_record')
