@@ -7,13 +7,12 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 from importlib import resources
-from logging import LogRecord
+from logging import getLogger, LogRecord
 import socket
 import ssl
 
 from aiohttp import web
 from aiohttp.http import HttpProcessingError
-from aiohttp.log import server_logger
 
 from ... import pages
 from .access import Access
@@ -82,7 +81,7 @@ class WebServer:
         application = web.Application(middlewares=[self._guard], client_max_size=MOST_BODY)
         application.add_routes([web.get('/', self._page), web.get('/live', self._live),
                                 web.get('/{name}', self._file)])
-        server_logger.addFilter(is_ours)
+        getLogger('aiohttp.server').addFilter(is_ours)
         runner = web.AppRunner(application, access_log=None, keepalive_timeout=IDLE_TIME)
         await runner.setup()
         await web.SockSite(runner, listener, ssl_context=tls).start()
