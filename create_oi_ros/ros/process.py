@@ -72,6 +72,20 @@ def call_on_signal(end: Callable[[], object]) -> None:
     threading.Thread(target=wait, name='signals', daemon=True).start()
 
 
+def stop_signals_as_ctrl_c() -> Callable[[], None]:
+    """Let SIGTERM and SIGHUP do what Ctrl-C does, in the main thread; return what ends that."""
+    if threading.current_thread() is not threading.main_thread():
+        return lambda: None
+    others = [number for number in STOP_SIGNALS if number is not signal.SIGINT]
+    before = {number: signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
+              for number in others}
+
+    def restore() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    return restore
+
+
 @contextmanager
 def end_in_time() -> Iterator[None]:
     """

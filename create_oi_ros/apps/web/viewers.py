@@ -15,6 +15,7 @@ from aiohttp import web, WSCloseCode, WSMsgType
 
 from ...driver.motion import Velocity
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
+from ...ros.driver_client import Reply
 from ...ros.topics import CMD_VEL
 from .access import (
     DriverSeat,
@@ -28,7 +29,7 @@ from .access import (
 from .bag_recording import BagRecording
 from .live_robot import Cursor, LiveRobot
 from .page_messages import CALLS, MessageError, PageMessage, read
-from .web_node import GoalSender, Reply, WebNode
+from .web_node import NewestGoal, WebNode
 
 HEARTBEAT = 5.0
 """Seconds between two pings; a page that does not answer is disconnected."""
@@ -76,7 +77,7 @@ class Viewers:
         self._viewers: dict[int, Viewer] = {}
         self._tasks: set[asyncio.Task[object]] = set()
         self._seat = DriverSeat()
-        self._goals = {each: GoalSender(node, robot, each) for each in ('goal', 'tune')}
+        self._goals = {each: NewestGoal(node, robot, each) for each in ('goal', 'tune')}
         """Those that move the robot, and tunes, which play beside them."""
         self._expiry: asyncio.TimerHandle | None = None
         self._last_number = 0
@@ -257,7 +258,7 @@ class Viewers:
         if message.type in CALLS:
             return self._node.call(message.type, message.request)
         kind = 'tune' if message.type == TUNE else 'goal'
-        return self._goals[kind].pursue(viewer.number, message)
+        return self._goals[kind].begin(viewer.number, message)
 
     async def _reset_odometry(self) -> Reply:
         reply = await self._node.call('reset_odometry')
@@ -274,7 +275,7 @@ class Viewers:
         async def answer() -> None:
             viewer.calls += 1
             try:
-                ok, text = await reply
+                ok, text, _ = await reply
             finally:
                 viewer.calls -= 1
             viewer.reply(to, ok, text)
