@@ -149,7 +149,7 @@ def test_the_tutorial_works(folder, environment):
     text = (folder / 'walk.html').read_text()
     assert 'Bump' in text and 'id="data">e' in text, 'an event, and packed curves'
     recording = read(folder / 'walk', lambda part: None)
-    assert recording.spans['bumper'].all and len(recording.odom) > 20
+    assert recording.events.spans['bumper'].all and len(recording.odom) > 20
 
 
 @pytest.mark.nightly
@@ -163,7 +163,7 @@ def test_make_demo_drives_its_tour_and_makes_a_report(tmp_path):
     assert done.returncode == 0, done.stdout
     [folder] = tmp_path.iterdir()
     assert done.stdout.endswith(f'{folder.name}/report.html\n') and 'Traceback' not in done.stdout
-    seen = read(folder / 'bag', lambda part: None).spans
+    seen = read(folder / 'bag', lambda part: None).events.spans
     assert [len(seen[kind].all) for kind in ('bumper', 'cliff', 'song')] == [2, 1, 2]
     assert 'Bump' in (folder / 'report.html').read_text()
 

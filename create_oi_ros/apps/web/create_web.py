@@ -135,11 +135,11 @@ async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobo
 async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
                  options: argparse.Namespace, token: str | None, tls: ssl.SSLContext | None,
                  ended: asyncio.Event) -> None:
-    robot = LiveRobot()
-    node = WebNode(robot)
+    node = WebNode()
     executor.add_node(node)
+    robot = node.robot
     recording = BagRecording(robot, options.ros)
-    viewers = Viewers(node, robot, recording)
+    viewers = Viewers(node, recording)
     port = listener.getsockname()[1]
     server = WebServer(Access(token), viewers, recording, port, secure=tls is not None)
     runner = await server.serve(listener, tls)

@@ -27,7 +27,7 @@ from .access import (
     TOP_TURN,
 )
 from .bag_recording import BagRecording
-from .live_robot import Cursor, LiveRobot
+from .live_robot import Cursor
 from .page_messages import CALLS, MessageError, PageMessage, read
 from .web_node import NewestGoal, WebNode
 
@@ -72,12 +72,12 @@ class Viewer:
 class Viewers:
     """Serves all pages; everything here runs on the event loop's thread."""
 
-    def __init__(self, node: WebNode, robot: LiveRobot, recording: BagRecording) -> None:
-        self._node, self._robot, self._recording = node, robot, recording
+    def __init__(self, node: WebNode, recording: BagRecording) -> None:
+        self._node, self._robot, self._recording = node, node.robot, recording
         self._viewers: dict[int, Viewer] = {}
         self._tasks: set[asyncio.Task[object]] = set()
         self._seat = DriverSeat()
-        self._goals = {each: NewestGoal(node, robot, each) for each in ('goal', 'tune')}
+        self._goals = {each: NewestGoal(node, each) for each in ('goal', 'tune')}
         """Those that move the robot, and tunes, which play beside them."""
         self._expiry: asyncio.TimerHandle | None = None
         self._last_number = 0

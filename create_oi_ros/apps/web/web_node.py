@@ -12,12 +12,10 @@ from collections.abc import Awaitable
 import time
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from ...ros import topics
-from ...ros.diagnostics import of_driver
+from ...ros.collector import subscribe
 from ...ros.driver_client import DriverClient, ENDED, Goal, GoalState, Reply
 from ...ros.velocity import VelocityOutput
 from .live_robot import LiveRobot, PARTS
@@ -32,29 +30,16 @@ NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 class WebNode(Node):
     """Passes messages to a live robot, publishes velocity commands, calls services."""
 
-    def __init__(self, robot: LiveRobot) -> None:
+    def __init__(self) -> None:
         """Subscribe to the driver's topics and create clients for the services."""
         super().__init__('create_web', start_parameter_services=False, enable_rosout=False)
-        self._robot = robot
-        self._own_namespace = self.get_namespace().strip('/')
         self.velocity = VelocityOutput(self)
-        for topic in topics.PUBLISHED:
-            if topic.type in PARTS:
-                self.create_subscription(
-                    topic.type, topic.name,
-                    lambda message: robot.update(message, time.monotonic()),
-                    NEWEST if topic is topics.ODOM else topic.subscription_qos)
-        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS.name, self._on_diagnostics,
-                                 topics.DIAGNOSTICS.subscription_qos)
+        self.robot = LiveRobot(self.get_namespace())
+        subscribe(self, PARTS, lambda name, message: self.robot.update(
+            name, message, time.monotonic()), odom=NEWEST)
         self.driver = DriverClient(self, DISCOVERY_TIMEOUT)
         for name in CALLS:  # discovery takes a moment: before they are needed
             self.driver.service(name)
-
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        """Pass on the diagnostics of the driver in our namespace."""
-        found = of_driver(message, self._own_namespace)
-        if found is not None:
-            self._robot.diagnose(found[1], time.monotonic())
 
     async def call(self, name: str, request: Any = None) -> Reply:
         """Call a service of the driver."""
@@ -64,9 +49,9 @@ class WebNode(Node):
 class NewestGoal:
     """The newest goal of a kind: all pages are shown it, and can cancel it."""
 
-    def __init__(self, node: WebNode, robot: LiveRobot, part: str) -> None:
-        """Show it as a part of this robot."""
-        self._node, self._robot, self._part = node, robot, part
+    def __init__(self, node: WebNode, part: str) -> None:
+        """Show it as a part of the node's robot."""
+        self._node, self._part = node, part
         self._goal: Goal | None = None
         self._viewer = 0
 
@@ -80,11 +65,11 @@ class NewestGoal:
     def _show(self, goal: Goal) -> None:
         text = '' if goal.reply is None else goal.reply.text
         if goal.state in ENDED:
-            self._robot.happened('error' if goal.state is GoalState.FAILED else '',
+            self._node.robot.happened('error' if goal.state is GoalState.FAILED else '',
                                  f'{goal.name.replace("_", " ")}: {text}', time.monotonic())
         if goal is self._goal:
             runs = goal.state is GoalState.UNDER_WAY and goal.feedback is not None
-            self._robot.parts.put(self._part, {
+            self._node.robot.parts.put(self._part, {
                 'name': goal.name, 'viewer': self._viewer, 'state': goal.state.value,
                 'text': text, 'feedback': feedback_part(goal.feedback) if runs else None})
 
