@@ -6,7 +6,7 @@
 #   make                 build everything; the first time also set up ROS in .venv
 #   make run             a simulated robot, its driver and web page; PORT=/dev/ttyUSB0: a real robot;
 #   make run             with ARGS='--ros-args -p NAME:=VALUE'; ARGS='--host 0.0.0.0': for telephones
-#   make demo            a tour of a simulated robot, recorded and reported on; ARGS=--short
+#   make demo            a tour of a simulated robot, recorded and reported on: three minutes
 #   make test            build, lint and test, seven minutes; ARGS='FILE -k NAME' runs some tests
 #   make build           the same as make
 #   make nightly         all that takes long: hours; SHARE=0.1: a tenth of it; ARGS as above
@@ -33,7 +33,7 @@ ENTER := source ./env.sh &&
 
 help: ; @sed -n 's/^#   make/make/p' Makefile
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
-demo: build ; @$(ENTER) exec create_demo $(ARGS)
+demo: build ; @$(ENTER) exec tools/demo.sh
 test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(PYTEST))
 nightly: build $(TESTS) $(MUTANTS) ; @$(ENTER) $(if $(ARGS),,$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py &&) python -m pytest -m nightly -rP $(ARGS)
 build: $(BUILT)

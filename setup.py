@@ -33,9 +33,7 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'create_demo = create_oi_ros.ros.programs:create_demo',
             'create_check = create_oi_ros.ros.programs:create_check',
-            'create_fleet = create_oi_ros.ros.programs:create_fleet',
             'create_lidar = create_oi_ros.ros.programs:create_lidar',
             'create_node = create_oi_ros.ros.programs:create_node',
             'create_record = create_oi_ros.ros.programs:create_record',

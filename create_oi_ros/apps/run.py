@@ -10,34 +10,36 @@ only, without `--host`. What follows `--ros-args` is for the node.
 import argparse
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, ExitStack
-from math import degrees, isnan, nan
+from math import degrees, inf, isnan, nan
 import os
 from pathlib import Path
 import re
 from shlex import quote
 import shutil
 import sys
+import time
 from typing import Any
 
-from create_oi_msgs.msg import Bumper, Mode
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from nav_msgs.msg import Odometry
+from create_oi_msgs.msg import Mode
 import rclpy
 from rclpy.task import Future
-from sensor_msgs.msg import BatteryState
 
-from ..ros.diagnostics import LINK
+from ..ros.collector import Collector, level_of, subscribe
+from ..ros.diagnostics import ERROR, LINK
 from ..ros.messages import mode_name, yaw_of
 from ..ros.node_arguments import names_only, refusal, split
 from ..ros.process import call_on_signal, Children, ros_executor, spin_until
 from ..ros.programs import check_environment
-from ..ros.robot_state import RobotState
 from ..ros.simulated_run import run_domain, run_folder
 from ..ros.waiting import announce
 from ..sim.world_files import read_world, shipped_names, WorldError
 
 WORLD = 'apartment'
 """World of the simulated robot, if nothing else is asked for."""
+SHOWN = ('odom', 'mode', 'battery_state', 'bumper', 'diagnostics')
+"""Topics of which the status line is made."""
+MOST_EVENTS = 100
+"""Events of a kind that are kept; a line shows those of a second."""
 WIDTH = 80
 """Columns of the status line at most."""
 CLEAR = '\r\x1b[K'
@@ -46,49 +48,45 @@ LOG_FORMAT = 'RCUTILS_CONSOLE_OUTPUT_FORMAT'
 USUAL_FORMAT = '[{severity}] [{time}] [{name}]: {message}'
 
 
-class RobotStatus(RobotState):
-    """Collects what the driver publishes, and puts it into one line."""
+class RobotStatus:
+    """Puts what the driver publishes into one line."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, namespace: str = '') -> None:
+        """Take the messages of the driver in this namespace."""
+        self._collector = Collector(namespace, MOST_EVENTS)
         self._frames = 0
-        self._pressed: set[str] = set()
-        """Sides of the bumper that were pressed since the last line."""
-        self._troubles: list[str] = []
-        self._no_robot = ''
-        """Why no robot answers, as far as the driver knows."""
+        self._line_at = -inf
+        """When the last line was."""
 
-    def take(self, message: Any) -> None:
-        """Take a message; count frames, and remember a short touch until the next line."""
-        super().take(message)
-        if isinstance(message, Odometry):
-            self._frames += 1
-        self._pressed |= self._now_pressed()
-        if isinstance(message, DiagnosticArray):
-            self._take_diagnostics(message)
+    def take(self, name: str, time: float, message: Any) -> None:
+        """Take a message of a topic, at a time in seconds."""
+        self._collector.take(name, time, message)
+        self._frames += name == 'odom'
 
-    def _now_pressed(self) -> set[str]:
-        bumper = self.newest(Bumper)
-        return {side for side in ('left', 'right')
-                if bumper is not None and getattr(bumper, side)}
+    def _bumped(self) -> str:
+        """Return the sides of the bumper that were pressed since the last line."""
+        sides = {side for span in self._collector.spans['bumper'].all
+                 if span.end >= self._line_at for side in span.text.split(' and ')}
+        return ' and '.join(sorted(sides))
 
-    def _take_diagnostics(self, diagnostics: DiagnosticArray) -> None:
-        """Take what the driver complains about: a script, a damaged line, the battery."""
-        for status in diagnostics.status:
-            if status.name.endswith(f': {LINK}'):
-                port = next((each.value for each in status.values if each.key == 'port'), '')
-                # A port may have a long name, and nobody has two here.
-                said = status.message.replace(port, 'port', 1) if port else status.message
-                self._no_robot = said if status.level == DiagnosticStatus.ERROR else ''
-        # The mode says its own reason; safety repeats the bumper.
-        self._troubles = [
-            status.message for about in ('driver', LINK, 'battery')
-            for status in diagnostics.status
-            if status.name.endswith(f': {about}') and status.level != DiagnosticStatus.OK]
+    def _troubles(self) -> list[str]:
+        """Return what the driver complains about: a script, a damaged line, the battery."""
+        statuses = self._collector.newest.get('diagnostics', {})
+        return [statuses[about].message for about in ('driver', LINK, 'battery')
+                if about in statuses and level_of(statuses[about])]
 
-    def line(self) -> str:
+    def _no_robot(self) -> str:
+        """Return why no robot answers, as far as the driver knows."""
+        link = self._collector.newest.get('diagnostics', {}).get(LINK)
+        if link is None or link.level != ERROR:
+            return ''
+        # A port may have a long name, and nobody has two here.
+        port = self._collector.link.get('port')
+        return str(link.message.replace(port, 'port', 1) if port else link.message)
+
+    def line(self, now: float) -> str:
         """Return the line, and begin the next second; the pose of a robot is always in it."""
-        motion, mode = self._motion(), self.newest(Mode)
+        motion, mode = self._motion(), self._collector.newest.get('mode')
         name = 'no node yet' if mode is None else f'{mode_name(mode.mode, mode.reason):7s}'
         robot = mode is None or mode.mode != Mode.UNKNOWN
         pose = 2 if robot else 0  # parts of the motion that are the pose
@@ -102,26 +100,27 @@ class RobotStatus(RobotState):
             if len(line) + 2 + len(text) > WIDTH:
                 break
             line += f'  {text}'
-        self._frames, self._pressed = 0, self._now_pressed()
+        self._frames, self._line_at = 0, now
         return line.rstrip()
 
     def _remarks(self) -> list[str]:
         """Return what is unusual, the most important first."""
-        sides, mode = ' and '.join(sorted(self._pressed)), self.newest(Mode)
+        sides, mode = self._bumped(), self._collector.newest.get('mode')
         remarks = [f'BUMP {sides}'] if sides else []
         if mode is not None and mode.reason:
             unknown = mode.mode == Mode.UNKNOWN
-            remarks.append((self._no_robot if unknown else '') or mode.reason)
+            remarks.append((self._no_robot() if unknown else '') or mode.reason)
         # No robot answers: all else follows from that.
         elif mode is not None:
-            remarks += map(gist, self._troubles)
+            remarks += map(gist, self._troubles())
         return remarks
 
     def _motion(self) -> list[str]:
-        odom = self.newest(Odometry)
+        newest = self._collector.newest
+        odom, battery = newest.get('odom'), newest.get('battery_state')
         if odom is None:
             return []
-        pose, twist, battery = odom.pose.pose, odom.twist.twist, self.newest(BatteryState)
+        pose, twist = odom.pose.pose, odom.twist.twist
         charge = nan if battery is None else battery.percentage
         charged = '' if isnan(charge) else f'{charge:.0%}'
         return [f'x {pose.position.x:+.2f} y {pose.position.y:+.2f} m',
@@ -188,19 +187,19 @@ def introduction(port: str, simulated: bool, namespace: str = '') -> str:
 
 def _watch(children: Children, ended: Future, names: list[str], driver: str) -> int:
     """Show the status every second; return the exit code, 1 when a child has ended by itself."""
-    status = RobotStatus()
-
     def look() -> None:
         why = children.ended()
         if why is None:
-            show(status.line())
+            show(status.line(time.monotonic()))
         else:
             print(f'create_run: {why}; see above for why', file=sys.stderr)
             ended.set_result(1)
     with (ros_executor(['--ros-args', *names]) as executor,
           announce(int(os.environ.get('ROS_DOMAIN_ID') or 0), driver)):
         node = rclpy.create_node('create_run')
-        status.listen(node, Odometry, Mode, BatteryState, Bumper, DiagnosticArray)
+        status = RobotStatus(node.get_namespace())
+        subscribe(node, SHOWN, lambda name, message: status.take(
+            name, time.monotonic(), message))
         node.create_timer(1.0, look)
         executor.add_node(node)
         try:

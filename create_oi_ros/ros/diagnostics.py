@@ -164,9 +164,9 @@ def _battery(health: Health, charge: float, temperature: float) -> tuple[bytes, 
 
 
 def driver(
-    health: Health, stale_commands: int, publishers: Sequence[str], *, contested: bool,
+    health: Health, stale_commands: int, publishers: Sequence[str],
 ) -> DiagnosticStatus:
-    """Say what the driver is doing; `publishers` of `cmd_vel`, `contested`: two of them send."""
+    """Say what the driver is doing; `publishers` of `cmd_vel` are full names of nodes."""
     level, message = OK, health.activity.value
     if health.ignores_commands:
         level, message = ERROR, 'the robot ignores commands: switch it off and on'
@@ -174,8 +174,6 @@ def driver(
         level, message = WARN, 'the robot shows no sign that it obeys: does it wait (a script)?'
     elif health.answered and health.busy is not None:
         level, message = WARN, health.busy
-    elif contested:
-        level, message = WARN, f'{len(publishers)} nodes publish cmd_vel: the newest command wins'
     return status('driver', level, message, {
         'stale commands dropped': stale_commands,
         'cmd_vel publishers': ', '.join(publishers) or 'none',

@@ -4,92 +4,36 @@
 Goals and services for programs of a few lines: send one, wait or look after it, get its result.
 
 What fails is a GoalFailed. Ctrl-C cancels the goal that runs, and ends the program with one line.
-So rclpy must not handle signals: it would shut ROS down before the cancel is sent. Nor may one
-interrupt rclpy, which might not receive anything afterwards: while rclpy runs, the handler only
-notes it.
+So rclpy must not handle signals: it would shut ROS down before the cancel is sent.
 """
 
-from collections.abc import Callable, Mapping
-from math import inf
-import signal
+import asyncio
+from collections.abc import Callable, Coroutine, Mapping
 import sys
-from threading import current_thread, main_thread
-import time
-from types import FrameType, TracebackType
-from typing import Any
+from types import TracebackType
+from typing import Any, TypeVar
 
 import rclpy
-from rclpy.action.client import ActionClient
-from rclpy.client import Client
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
 from rclpy.utilities import ok
 
-from .actions import ALL_ACTIONS, malformed
+from .driver_client import ACTION_TYPES, DriverClient, Goal, GoalState, Reply, SERVICE_TYPES
 from .messages import filled
-from .process import end_in_time, STOP_SIGNALS
+from .process import end_in_time, stop_signals_as_ctrl_c
 from .programs import INTERRUPTED
-from .services import SERVICES
 from .waiting import DISCOVERY_TIMEOUT, say_if_waiting
 
-ANSWER_TIMEOUT = 10.0
-"""Seconds in which it must answer a call of a service."""
-LOOK_EVERY = 0.1
-"""Seconds after which a wait looks whether a signal has come."""
-CANCEL_WAIT = 2.0
+Result = TypeVar('Result')
+SPIN_INTERVAL = 0.02
+"""Seconds for which rclpy waits at most before coroutines run again."""
+COMPLETE_INTERVAL = 0.1
+"""Seconds that `is_complete` takes at most."""
+CANCEL_TIMEOUT = 2.0
 """Seconds in which a driver must say that it has canceled a goal."""
-TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
-SERVICE_TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 
 
 class GoalFailed(Exception):
     """A goal or a call that failed; the message is a sentence for people."""
-
-
-def _request(type_: Any, fields: Mapping[str, Any], where: str) -> Any:
-    """Return a message with these fields; GoalFailed: one does not exist, or does not fit."""
-    try:
-        return filled(type_(check_fields=True), fields, where)
-    except ValueError as error:
-        raise GoalFailed(str(error)) from None
-
-
-class _Interrupts:
-    """Ctrl-C and its like: noted while rclpy runs, a KeyboardInterrupt at all other times."""
-
-    def __init__(self) -> None:
-        self.spinning = self.noted = False
-        self._before: dict[signal.Signals, Any] = {}
-
-    def handle(self) -> None:
-        """Handle the signals from now on, in the main thread."""
-        if current_thread() is main_thread():
-            self._before = {each: signal.signal(each, self._on_signal) for each in STOP_SIGNALS}
-
-    def restore(self) -> None:
-        """Leave the signals to what handled them before."""
-        for each, handler in self._before.items():
-            signal.signal(each, handler)
-
-    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
-        if not self.spinning:
-            raise KeyboardInterrupt
-        self.noted = True
-
-    def spin_once(self, node: Node, timeout: float) -> None:
-        """Run callbacks of a node for a while, seconds; KeyboardInterrupt: a signal came."""
-        self.spinning = True
-        try:
-            rclpy.spin_once(node, timeout_sec=timeout)
-        finally:
-            self.spinning = False
-        if self.noted:
-            self.noted = False
-            raise KeyboardInterrupt
-
-
-_interrupts = _Interrupts()
 
 
 class GoalClient:
@@ -110,36 +54,37 @@ class GoalClient:
 
     def __init__(self, name: str = 'goal_client', namespace: str = '') -> None:
         self._name, self._namespace = name, namespace
-        self._clients: dict[str, ActionClient] = {}
-        self._services: dict[str, Client] = {}
-        self._owner = False
-        self._goal = ''
-        self._sent: Future | None = None
-        self._awaited: Future | None = None
-        self.feedback: Any = None
-        """The newest feedback of the goal; None: none has come."""
+        self._restore_signals: Callable[[], None] | None = None
+        self._goal: Goal | None = None
+        self._pursued: asyncio.Task[Reply] | None = None
 
     def __enter__(self) -> 'GoalClient':
         if not ok():
-            self._owner = True
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-            _interrupts.handle()
+            self._restore_signals = stop_signals_as_ctrl_c()
         self.node = rclpy.create_node(self._name, namespace=self._namespace)
+        self._driver = DriverClient(self.node, DISCOVERY_TIMEOUT)
+        self._runner = asyncio.Runner()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
                  trace: TracebackType | None) -> None:
         with end_in_time():
             self._cancel_running()
-            for client in self._clients.values():
-                client.destroy()
+            self._runner.close()
+            self._driver.destroy()
             self.node.destroy_node()
-            if self._owner:
+            if self._restore_signals is not None:
                 rclpy.shutdown()
-        if self._owner:
-            _interrupts.restore()
+        if self._restore_signals is not None:
+            self._restore_signals()
             if kind is KeyboardInterrupt:
                 raise SystemExit(INTERRUPTED) from None
+
+    @property
+    def feedback(self) -> Any:
+        """The newest feedback of the goal; None: none has come."""
+        return None if self._goal is None else self._goal.feedback
 
     def do(self, name: str, **goal: Any) -> Any:
         """Pursue a goal of the action with this name; return the result, or raise GoalFailed."""
@@ -149,99 +94,99 @@ class GoalClient:
                 pass
         except KeyboardInterrupt:
             self.cancel()
+            if self._goal is not None and self._goal.state is GoalState.REACHED:
+                raise  # too late to cancel this one
         return self.result()
 
     def start(self, name: str, **goal: Any) -> None:
         """Send a goal; GoalFailed: it is malformed, or no driver was found. One runs at a time."""
-        if name not in TYPES:
-            raise GoalFailed(f'no action {name!r}; there are {", ".join(TYPES)}')
-        if self._sent is not None and not self.is_complete():
-            raise GoalFailed(f'{self._goal} still runs: wait until is_complete(), or cancel()')
-        request = _request(TYPES[name].Goal, goal, name)
-        if name not in self._clients:
-            self._clients[name] = ActionClient(self.node, TYPES[name], name)
-        self._find(name, f'the action {name}', self._clients[name].server_is_ready)
-        self._goal, self.feedback, self._awaited = name, None, None
-        self._sent = self._clients[name].send_goal_async(
-            request, lambda message: setattr(self, 'feedback', message.feedback))
-        try:
-            self._wait(self._sent.done)
-        except KeyboardInterrupt:
-            self._cancel_running()
-            raise
-        handle = self._sent.result()
-        if not handle.accepted:
-            self._sent = None
-            why = malformed(name, request) or 'the log of the driver says why'
-            raise GoalFailed(f'{name}: rejected as malformed; {why}')
-        self._awaited = handle.get_result_async()
+        request = _message(ACTION_TYPES, 'action', name, goal, 'Goal')
+        if self._goal is not None and not self.is_complete():
+            raise GoalFailed(f'{self._goal.name} still runs: wait until is_complete(), or '
+                             'cancel()')
+        self._say_if_waiting(f'the action {name}', self._driver.action(name).server_is_ready)
+        accepted = asyncio.Event()
+        self._goal = Goal(self._driver, name, request, lambda _: accepted.set())
+
+        async def begin() -> None:
+            assert self._goal is not None
+            self._pursued = asyncio.create_task(self._goal.pursue())
+            await accepted.wait()
+        self._run(begin())
+        if self._goal.state is GoalState.FAILED:
+            self.result()
 
     def is_complete(self) -> bool:
         """Receive for a tenth of a second; return whether the goal has ended."""
-        if self._awaited is not None and not self._awaited.done():
-            self._spin()
-        return self._awaited is None or self._awaited.done()
+        return self._ended(COMPLETE_INTERVAL)
 
     def result(self) -> Any:
         """Return the result of the goal that has ended; GoalFailed: it was not reached."""
-        if self._awaited is None or not self._awaited.done():
-            raise GoalFailed(f'{self._goal or "a goal"} has not ended: wait until is_complete()')
-        result = self._awaited.result().result
-        if not result.success:
-            raise GoalFailed(f'{self._goal}: {result.message}')
-        return result
+        name = 'a goal' if self._goal is None else self._goal.name
+        if self._goal is None or self._goal.reply is None:
+            raise GoalFailed(f'{name} has not ended: wait until is_complete()')
+        return _checked(name, self._goal.reply)
 
     def cancel(self) -> None:
         """Cancel the goal that runs, and wait for its end; GoalFailed: the driver is silent."""
         if not self._cancel_running():
-            raise GoalFailed(f'{self._goal}: canceled, but the driver does not answer') from None
-        if self._awaited is not None and self._awaited.result().result.success:
-            raise KeyboardInterrupt  # too late to cancel this one
+            assert self._goal is not None
+            raise GoalFailed(f'{self._goal.name}: canceled, but the driver does not answer')
 
     def call(self, name: str, **fields: Any) -> Any:
         """Call the service with this name; return its reply, or raise GoalFailed."""
-        if name not in SERVICE_TYPES:
-            raise GoalFailed(f'no service {name!r}; there are {", ".join(SERVICE_TYPES)}')
-        request = _request(SERVICE_TYPES[name].Request, fields, name)
-        if name not in self._services:
-            self._services[name] = self.node.create_client(SERVICE_TYPES[name], name)
-        self._find(name, f'the service {name}', self._services[name].service_is_ready)
-        answer = self._services[name].call_async(request)
-        try:
-            if not self._wait(answer.done, ANSWER_TIMEOUT):
-                raise GoalFailed(f'{name}: the driver does not answer')
-        finally:
-            self._services[name].remove_pending_request(answer)
-        if not answer.result().success:
-            raise GoalFailed(f'{name}: {answer.result().message}')
-        return answer.result()
+        request = _message(SERVICE_TYPES, 'service', name, fields, 'Request')
+        self._say_if_waiting(f'the service {name}', self._driver.service(name).service_is_ready)
+        return _checked(name, self._run(self._driver.call(name, request)))
 
-    def _spin(self) -> None:
-        """Receive for a while; KeyboardInterrupt: a signal came."""
-        _interrupts.spin_once(self.node, LOOK_EVERY)
+    def _run(self, work: Coroutine[Any, Any, Result]) -> Result:
+        """Let a coroutine run to its end while rclpy runs; KeyboardInterrupt: Ctrl-C."""
+        async def beside_rclpy() -> Result:
+            spinning = asyncio.create_task(self._spin())
+            try:
+                return await work
+            finally:
+                spinning.cancel()
+        return self._runner.run(beside_rclpy())
 
-    def _wait(self, done: Callable[[], bool], seconds: float = inf) -> bool:
-        """Receive until something is done; return whether it is, after so many seconds at most."""
-        until = time.monotonic() + seconds
-        while not done() and time.monotonic() < until:
-            self._spin()
-        return done()
+    async def _spin(self) -> None:
+        while True:
+            rclpy.spin_once(self.node, timeout_sec=SPIN_INTERVAL)
+            await asyncio.sleep(0)
 
-    def _find(self, name: str, what: str, ready: Callable[[], bool]) -> None:
-        """Wait for the driver, and say so; GoalFailed: there is none."""
+    def _ended(self, timeout: float) -> bool:
+        """Receive for so many seconds at most; return whether the goal has ended."""
+        if self._pursued is None:
+            return True
+        if not self._pursued.done():
+            self._run(asyncio.wait([self._pursued], timeout=timeout))
+        return self._pursued.done()
+
+    def _cancel_running(self) -> bool:
+        """Cancel the goal that runs; return whether it has ended now."""
+        if self._goal is not None:
+            self._goal.cancel()
+        return self._ended(CANCEL_TIMEOUT)
+
+    def _say_if_waiting(self, what: str, ready: Callable[[], bool]) -> None:
         if not ready():
             say_if_waiting(self.node, what, lambda: not ready(), lambda why: print(
                 f'{self._name}: {why}', file=sys.stderr, flush=True))
-        if not self._wait(ready, DISCOVERY_TIMEOUT):
-            domain = self.node.context.get_domain_id()
-            raise GoalFailed(f'{name}: no driver was found in ROS domain {domain}')
 
-    def _cancel_running(self) -> bool:
-        """Cancel a goal that was sent and has not ended; return whether it has ended now."""
-        if self._sent is None or (self._awaited is not None and self._awaited.done()):
-            return True
-        if not self._wait(self._sent.done, CANCEL_WAIT) or not self._sent.result().accepted:
-            return bool(self._sent.done())
-        self._sent.result().cancel_goal_async()
-        self._awaited = self._awaited or self._sent.result().get_result_async()
-        return self._wait(self._awaited.done, CANCEL_WAIT)
+
+def _message(types: Mapping[str, Any], what: str, name: str, fields: Mapping[str, Any],
+             part: str) -> Any:
+    """Return a goal or request with these fields; GoalFailed: one of the names is wrong."""
+    if name not in types:
+        raise GoalFailed(f'no {what} {name!r}; there are {", ".join(types)}')
+    try:
+        return filled(getattr(types[name], part)(check_fields=True), fields, name)
+    except ValueError as error:
+        raise GoalFailed(str(error)) from None
+
+
+def _checked(name: str, reply: Reply) -> Any:
+    """Return what the driver has answered; GoalFailed: it could not do it."""
+    if not reply.ok:
+        raise GoalFailed(f'{name}: {reply.text}')
+    return reply.message

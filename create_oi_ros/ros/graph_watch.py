@@ -3,8 +3,8 @@
 """
 Looks for mistakes in the ROS graph that ROS itself does not report.
 
-Common are: two drivers of one name, or with the same frames; two nodes that send `cmd_vel` at
-once, or one that sends it in another namespace; a partner whose message type or QoS does not fit.
+These are two drivers of one name, or with the same frames, and commands that the driver does not
+get: of another message type, or in another namespace.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,7 +13,6 @@ from functools import partial
 
 from create_oi_msgs.msg import Mode
 from rclpy.node import Node
-from rclpy.qos import ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -43,16 +42,12 @@ class GraphWatch:
         """Subscriptions to other drivers, by the names of their topics `mode`; None: refused."""
         self._base_frames: dict[str, str] = {}
         """Base frames of these drivers."""
-        self._were_unnamed = False
-        """Whether a publisher had no name at the last look."""
         self.publishers: tuple[str, ...] = ()
         """Nodes that publish `cmd_vel` with the right type, sorted."""
-        self.contested = False
-        """Whether two of them have sent at once since the last look."""
 
     def check(self) -> None:
         """Look at the graph, and warn of new mistakes; called once a second."""
-        warnings = {*self._velocity_mistakes(), *self._wrong_subscribers(), *self._other_topics()}
+        warnings = {*self._wrong_types(), *self._other_topics()}
         own, domain = self._node.get_fully_qualified_name(), self._node.context.get_domain_id()
         names = self._node.get_fully_qualified_node_names()
         if names.count(own) > 1:
@@ -62,27 +57,15 @@ class GraphWatch:
             self._warn(warning)
         self._warned = warnings
 
-    def _velocity_mistakes(self) -> Iterator[str]:
+    def _wrong_types(self) -> Iterator[str]:
         found = self._node.get_publishers_info_by_topic(self._topic)
         self._velocity.adapt(found)
-        # Most have a name at the next look; a program that is no ROS node never gets one.
-        named = [each for each in found if each.node_name != UNNAMED or self._were_unnamed]
-        self._were_unnamed = any(each.node_name == UNNAMED for each in found)
         taken = type_name(self._velocity.type)
         self.publishers = tuple(sorted({
-            node_name(each) for each in named if type_name_of(each) == taken}))
-        for each in named:
-            if type_name_of(each) != taken:
+            node_name(each) for each in found if type_name_of(each) == taken}))
+        for each in found:
+            if type_name_of(each) != taken and each.node_name != UNNAMED:  # it will have a name
                 yield self._wrong_type(node_name(each), type_name_of(each))
-            elif each.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT:
-                yield (f'{node_name(each)} publishes {self._topic} as best effort, so this driver '
-                       'listens as best effort: a command may be lost, even a stop. Let it '
-                       'publish as reliable if it can')
-        self.contested = self._velocity.contested()
-        if self.contested:
-            yield (f'{len(self.publishers)} nodes publish {self._topic}: '
-                   f'{", ".join(self.publishers)}. Two or more send at once, and the newest '
-                   'command wins, whoever sent it: end all but one, or put twist_mux between them')
 
     def _wrong_type(self, name: str, type_: str) -> str:
         what = (f'{name} publishes {self._topic} as {type_}, but this driver takes '
@@ -92,18 +75,6 @@ class GraphWatch:
         if self._parameters.cmd_vel_type == 'auto':
             return f'{what}Let all publishers send the same type, or end those of one'
         return f'{what}Start the driver with cmd_vel_type: auto, or change the publisher'
-
-    def _wrong_subscribers(self) -> Iterator[str]:
-        """Find subscribers of another type; rclpy warns of those whose QoS does not fit."""
-        for publisher in self._node.publishers:
-            topic, ours = publisher.topic_name, type_name(publisher.msg_type)
-            if publisher.get_subscription_count() >= self._node.count_subscribers(topic):
-                continue
-            for each in self._node.get_subscriptions_info_by_topic(topic):
-                if type_name_of(each) != ours:
-                    yield (f'{node_name(each)} subscribes to {topic}, but gets nothing: it takes '
-                           f'{type_name_of(each)}, and this driver publishes {ours}. Change the '
-                           'subscriber')
 
     def _other_topics(self) -> Iterator[str]:
         """Find commands in another namespace, and other drivers with the same frames."""
@@ -150,7 +121,5 @@ class GraphWatch:
 
 
 def node_name(endpoint: TopicEndpointInfo) -> str:
-    """Return the full name of the node of a publisher, as people know it."""
-    if endpoint.node_name == UNNAMED:
-        return 'a program without a node name'
+    """Return the full name of the node of a publisher."""
     return f'{endpoint.node_namespace.rstrip("/")}/{endpoint.node_name}'

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ROS node `create`: topics, services and parameters around a session with the robot."""
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import asdict, replace
 import sys
@@ -11,6 +9,7 @@ from typing import Any
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
@@ -39,10 +38,10 @@ class CreateNode(Node):
 
     def __init__(self, ended: Future, **options: Any) -> None:
         """
-        Declare everything; ValueError says which parameter is wrong. No port is opened yet.
+        Declare everything; ValueError or ParameterException: a parameter is wrong.
 
-        `ended` gets the exit code when the node cannot go on; options are those of rclpy's Node,
-        such as `namespace` and `cli_args` where several robots share a process.
+        `ended` gets the exit code when the node cannot go on; options are those of rclpy's Node.
+        No port is opened yet.
         """
         try:
             super().__init__(node_arguments.NODE,
@@ -201,8 +200,7 @@ class CreateNode(Node):
                 health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
             diagnostics.mode(health), diagnostics.safety(health),
             diagnostics.battery(health, charge_known=self.parameters.charge_known),
-            diagnostics.driver(health, self._stale, self._graph.publishers,
-                               contested=self._graph.contested),
+            diagnostics.driver(health, self._stale, self._graph.publishers),
             diagnostics.odometry(health), diagnostics.parameters(self.parameters)])
         for status in message.status:
             status.name = f'{self.get_fully_qualified_name().lstrip("/")}: {status.name}'
@@ -224,35 +222,27 @@ class CreateNode(Node):
                 self.get_logger().error(notice.text)
 
 
-def run(program: str, make: Callable[[Future], list[CreateNode]]) -> int:
+def main() -> int:
     """
-    Run drivers on one executor until they are told to stop, or one of them cannot go on.
+    Run the node until it is told to stop, or cannot go on.
 
-    Return the exit code: 0 when told to, 1 when one failed, 2 when a parameter is wrong.
+    Return the exit code: 0 when told to, 1 when it failed, 2 when an argument is wrong.
     """
+    node_arguments.parse(sys.argv[1:])
     ended = Future()
     call_on_signal(lambda: ended.set_result(0))
     with ros_executor() as executor:
         try:
-            nodes = make(ended)
-        except ValueError as error:
-            print(f'{program}: {error}', file=sys.stderr)
+            node = CreateNode(ended)
+        except (ValueError, ParameterException) as error:
+            print(f'create_node: {error}', file=sys.stderr)
             return 2
-        for node in nodes:
-            executor.add_node(node)
+        executor.add_node(node)
         try:
-            for node in nodes:
-                node.start()
+            node.start()
             spin_until(executor, ended)
         finally:
-            with ThreadPoolExecutor(len(nodes)) as pool:  # no robot waits for another one's end
-                list(pool.map(CreateNode.stop, nodes))
+            node.stop()
             for _ in range(2):  # a goal that ran gets its result, then that is sent
                 spin_ready(executor)
     return int(ended.result())
-
-
-def main() -> int:
-    """Run the node until it is told to stop; 0 when it was, 2 when an argument is wrong."""
-    node_arguments.parse(sys.argv[1:])
-    return run('create_node', lambda ended: [CreateNode(ended)])

@@ -217,7 +217,7 @@ def descriptor(name: str) -> ParameterDescriptor:
 
 def declare(node: Node) -> Parameters:
     """
-    Declare all parameters; ValueError says which value is wrong and what is allowed.
+    Declare all parameters; ValueError or ParameterException says which value is wrong and why.
 
     The node must declare what it is given by itself; that is declared anew, with descriptions.
     """
@@ -299,15 +299,10 @@ def changed(parameters: Parameters, new: list[Parameter]) -> Parameters:
 
 
 def refusal(name: str, value: Any) -> str | None:
-    """Say why a value is not allowed; None where it is."""
-    facts = DECLARED[name].metadata
-    choices, low, high = facts['choices'], facts['low'], facts['high']
+    """Say why a value is not allowed, but for its range, which ROS checks; None where it is."""
+    choices = DECLARED[name].metadata['choices']
     if choices and value not in choices:
         return f'parameter {name} = {value!r}; allowed: {listed(choices)}'
-    if isinstance(value, float) and value != value:
-        return f'parameter {name} is not a number: give one'
-    if low is not None and not low <= value <= high:
-        return f'parameter {name} = {value:g}; allowed: {low:g} to {high:g}'
     if value == '' and _default(name) != '':
         return f'parameter {name} is empty: give a value, or leave it out'
     if isinstance(value, tuple):

@@ -14,7 +14,6 @@ import ctypes
 import faulthandler
 from functools import partial
 import os
-from pathlib import Path
 import signal
 import socket
 import subprocess
@@ -27,7 +26,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor, TimeoutException
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from .programs import check_environment, PROGRAMS, UserError
+from .programs import check_environment, PROGRAMS
 
 PR_SET_PDEATHSIG = 1
 """Linux, prctl(2)."""
@@ -37,12 +36,6 @@ END_TIME = 10.0
 """Seconds in which ROS must have shut down."""
 STDERR = 2
 """Its file descriptor: `sys.stderr` need not have one."""
-SHARED_MEMORY = Path('/dev/shm')
-"""Where Linux keeps shared memory."""
-SHARED_PORTS, FIRST_PORT, PORTS_PER_DOMAIN = range(7000, 7400), 7400, 250
-"""Ports of all domains, the first one of domain 0, and how many a domain has (DDSI-RTPS 9.6.1)."""
-PORT_TIMEOUT, CHECK_INTERVAL = 5.0, 0.1
-"""Seconds in which a port is made (in fact a thousandth), and between two checks of it."""
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -79,35 +72,18 @@ def call_on_signal(end: Callable[[], object]) -> None:
     threading.Thread(target=wait, name='signals', daemon=True).start()
 
 
-def check_shared_memory(domain: int, folder: Path = SHARED_MEMORY) -> None:
-    """
-    Check that no port of this ROS domain stays half made; UserError names its file.
+def stop_signals_as_ctrl_c() -> Callable[[], None]:
+    """Let SIGTERM and SIGHUP do what Ctrl-C does, in the main thread; return what ends that."""
+    if threading.current_thread() is not threading.main_thread():
+        return lambda: None
+    others = [number for number in STOP_SIGNALS if number is not signal.SIGINT]
+    before = {number: signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
+              for number in others}
 
-    Fast DDS, the middleware of ROS, keeps a file for each port. A program that is killed in the
-    moment in which it makes one leaves it without the mark "ready". A later program that gets
-    this port waits for the mark for ever, in C, where it takes no Ctrl-C.
-    """
-    first = FIRST_PORT + domain * PORTS_PER_DOMAIN
-    numbers = (*SHARED_PORTS, *range(first, first + PORTS_PER_DOMAIN))
-    ports = [folder / f'fastrtps_port{number}' for number in numbers]
-    until = time.monotonic() + PORT_TIMEOUT
-    while unfinished := [port for port in ports if _unfinished(port)]:
-        if time.monotonic() > until:
-            names = ' '.join(map(str, unfinished))
-            raise UserError(
-                f'ROS waits for {names} for ever: a program was killed while it made that file '
-                f'of shared memory, and nobody will finish it. Remove it: `rm {names}`')
-        time.sleep(CHECK_INTERVAL)
-
-
-def _unfinished(port: Path) -> bool:
-    """Return whether the mark of Boost.Interprocess at the begin of a port is not "ready"."""
-    try:
-        with port.open('rb') as file:
-            mark = file.read(4)
-    except OSError:  # there is none, or it is not ours to read
-        return False
-    return int.from_bytes(mark, sys.byteorder) in (0, 1)  # also where it has no bytes yet
+    def restore() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    return restore
 
 
 @contextmanager
@@ -135,7 +111,6 @@ def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedE
     UserError: something in the environment is wrong.
     """
     check_environment()
-    check_shared_memory(int(os.environ.get('ROS_DOMAIN_ID') or 0))
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     executor = SingleThreadedExecutor()
     try:

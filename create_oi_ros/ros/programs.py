@@ -29,8 +29,6 @@ from .. import __version__
 PACKAGE = __package__.partition('.')[0]
 MODULES = {
     'create_check': 'apps.check.create_check',
-    'create_demo': 'apps.demo',
-    'create_fleet': 'apps.fleet',
     'create_lidar': 'apps.lidar',
     'create_node': 'ros.node',
     'create_record': 'apps.record',
@@ -48,7 +46,7 @@ NEEDED = ('aiohttp', 'numpy', 'serial', 'yaml')
 """Python modules that may be missing."""
 FOR_BAGS = {'mcap': ((1, 5), (2,)), 'rosbags': ((0, 11), (0, 12))}
 """Libraries without a Debian package: the first version that fits, and the first that may not."""
-NEED_BAGS = ('create_demo', 'create_record', 'create_report')
+NEED_BAGS = ('create_record', 'create_report')
 """Programs that read or write bags."""
 JAZZY = Path('/opt/ros/jazzy/setup.bash')
 MAKE = '`make` in a clone of this repository, then `source env.sh` there'
@@ -247,8 +245,6 @@ def _rule(text: str) -> str:
 
 
 create_check = partial(_run, 'create_check')
-create_demo = partial(_run, 'create_demo')
-create_fleet = partial(_run, 'create_fleet')
 create_lidar = partial(_run, 'create_lidar')
 create_node = partial(_run, 'create_node')
 create_record = partial(_run, 'create_record')

@@ -12,8 +12,6 @@ wait for that.
 from collections.abc import Callable, Sequence
 from math import inf
 import threading
-import time
-from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from rclpy.duration import Duration
@@ -34,8 +32,6 @@ TYPES: dict[str, tuple[type, ...]] = {
 """Message types to choose from, for each value of the parameter `cmd_vel_type`."""
 RELIABLE_CHECKS = 10
 """Checks of the publishers in a row that must all be reliable, until the subscription is again."""
-CONTEST_INTERVAL = 1.0
-"""Two publishers whose commands alternate within so many seconds send at the same time."""
 MODE_TYPE = 'create_oi_msgs/msg/Mode'
 COMMANDS = {f'geometry_msgs/msg/{type_.__name__}': type_ for type_ in (Twist, TwistStamped)}
 UNNAMED = '_NODE_NAME_UNKNOWN_'
@@ -80,9 +76,6 @@ class VelocityInput:
         self.reliability = ReliabilityPolicy.RELIABLE
         """The reliability that it asks for."""
         self._reliable_checks = 0
-        self._number = 0
-        self._alternated_at = -CONTEST_INTERVAL
-        self._contested = False
         self._subscription: Subscription | None = None
         self._refused = False
         """Whether the middleware refused the last subscription."""
@@ -128,26 +121,14 @@ class VelocityInput:
             self.type, self.reliability, self._refused = type_, reliability, False
             self._executor.create_task(self._subscribe)
 
-    def contested(self) -> bool:
-        """
-        Return whether two publishers have sent at once since the last call.
-
-        Each publisher numbers its messages, so numbers that go back again and again come from
-        two. A middleware that does not pass on the numbers leaves this False.
-        """
-        was, self._contested = self._contested, False
-        return was
-
     def _subscribe(self) -> None:
         if self._subscription is not None:
             self.node.destroy_subscription(self._subscription)
             self._subscription = None
-        self._number = 0
-        take: Callable[..., None] = self._take  # rclpy passes the second argument as well
         try:
             self._subscription = self.node.create_subscription(
-                # A depth of 2, so that of two commands in the same moment both are seen.
-                self.type, self._topic, take, QoSProfile(depth=2, reliability=self.reliability),
+                self.type, self._topic, self._take,
+                QoSProfile(depth=1, reliability=self.reliability),
                 # GraphWatch says more of a publisher that does not fit.
                 event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False))
         except RuntimeError as error:  # another node of this process may have the other type yet
@@ -155,19 +136,11 @@ class VelocityInput:
             self.node.get_logger().warning(
                 f'{self._topic} as {type_name(self.type)}: {error}; tried again in a second')
 
-    def _take(self, message: Twist | TwistStamped, info: dict[str, Any]) -> None:
+    def _take(self, message: Twist | TwistStamped) -> None:
         stamped = isinstance(message, TwistStamped)
         twist = message.twist if stamped else message
         stamp = nanoseconds(message.header.stamp) if stamped else 0
         self._on_command(twist.linear.x, twist.angular.z, stamp)
-        number = info['publication_sequence_number']
-        if number is None:
-            return
-        if number <= self._number:
-            now = time.monotonic()
-            self._contested = self._contested or now - self._alternated_at < CONTEST_INTERVAL
-            self._alternated_at = now
-        self._number = number
 
     def _run(self) -> None:
         try:

@@ -63,7 +63,7 @@ def test_ctrl_c_leaves_a_complete_bag_of_all_topics(stage, tmp_path):
     assert types['/robot1/cmd_vel'] == 'geometry_msgs/msg/TwistStamped'
     recording = read(tmp_path / 'walk', lambda part: None)
     assert recording.robot == 'robot1'
-    assert recording.spans['mode'].all and len(recording.odom) > 10
+    assert recording.events.spans['mode'].all and len(recording.odom) > 10
     file, = (tmp_path / 'walk').glob('*.mcap')
     assert f', {file.stat().st_size / 1e6:.1f} MB are in' in recorder.output
 

@@ -21,6 +21,8 @@ from math import sin
 import re
 import zlib
 
+from create_oi_msgs.msg import Mode
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
@@ -29,12 +31,14 @@ from std_msgs.msg import String
 
 from create_oi_ros.apps.report import page
 from create_oi_ros.apps.report.bag_files import BagError, DamageError, reading
-from create_oi_ros.apps.report.bag_reader import read, RecordingBuilder
+from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.apps.report.create_report import main
 from create_oi_ros.apps.report.page import kept, packed, steps, write
-from create_oi_ros.apps.report.recording import Recording, Span, Spans
+from create_oi_ros.apps.report.recording import Recording
 from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
 from create_oi_ros.ros import programs
+from create_oi_ros.ros.collector import Collector
+from create_oi_ros.ros.diagnostics import PARAMETERS
 from support import bags
 
 
@@ -79,16 +83,16 @@ def test_events_have_their_time_cause_and_place(recording):
     assert found['cliff', 'Cliff front left, 1.0 s'] == pytest.approx(8.0, abs=0.05)
     gap = found['gap', 'Gap, 1.0 s: no odometry: the robot was not heard']
     assert gap == pytest.approx(10.0, abs=0.1)
-    assert found['mode', 'Mode Passive (a cliff)'] == pytest.approx(8.9, abs=0.1)
+    assert found['mode', 'Mode PASSIVE (a cliff)'] == pytest.approx(8.9, abs=0.1)
     assert any(kind == 'song' for kind, _ in found)
-    bump = recording.spans['bumper'].all[0]
+    bump = recording.events.spans['bumper'].all[0]
     at = bisect_right(recording.odom.times, bump.start) - 1
     x, y = recording.odom['x'][at], recording.odom['y'][at]
     assert (x, y - 0.4) == (pytest.approx(0.4, abs=0.01), pytest.approx(-0.03, abs=0.03))
 
 
 def test_version_parameters_and_warnings_are_shown(recording):
-    assert recording.settings == {'version': '9.8.7', 'port': '/dev/robot'}
+    assert recording.events.settings == {'version': '9.8.7', 'port': '/dev/robot'}
     warned, = warnings(recording)
     assert warned.text.startswith('warning: bytes arrive damaged')
     assert '6 damaged frames' in ' '.join(summary(recording))
@@ -109,7 +113,7 @@ def test_of_several_robots_one_must_be_named_and_one_without_a_namespace_is_call
     assert 'name one with --robot: /, robot2' in refusal(fleet)
     assert read(fleet, quiet, '/').odom
     chosen = read(fleet, quiet, 'robot2')
-    assert len(chosen.odom) == 133 and chosen.settings['version'] == '9.8.7'
+    assert len(chosen.odom) == 133 and chosen.events.settings['version'] == '9.8.7'
     assert 'no robot robot3: it has /, robot2' in refusal(fleet, '--robot', 'robot3')
 
 
@@ -152,7 +156,7 @@ def test_the_intact_part_of_an_unclosed_bag_is_shown(tmp_path):
         rest = read(path, quiet)
         assert 10.0 < rest.seconds < 40.0
         assert rest.odom['x'] == whole.odom['x'][:len(rest.odom)]
-        assert rest.settings == whole.settings
+        assert rest.events.settings == whole.events.settings
         assert 'its recorder did not close it' in ' '.join(summary(rest))
     file.write_bytes(file.read_bytes()[:1000])
     assert 'when the recorder was killed' in refusal(bag)
@@ -172,7 +176,7 @@ def test_impossible_values_are_left_out(tmp_path, monkeypatch, value):
 def test_our_own_error_is_not_reported_as_damage(bag, monkeypatch):
     def fail(*_):
         raise ZeroDivisionError
-    monkeypatch.setattr(RecordingBuilder, '_add_odom', fail)
+    monkeypatch.setattr(Collector, 'take', fail)
     with pytest.raises(ZeroDivisionError):
         read(bag, quiet)
 
@@ -198,7 +202,7 @@ def test_a_bag_without_odometry_is_still_shown(tmp_path):
             writer.write(mode, int(time * 1e9), serialize_message(bags.modes(time)))
     main([str(tmp_path / 'bag'), '-o', str(tmp_path / 'report.html')])
     recording = read(tmp_path / 'bag', quiet)
-    assert [span.text for span in recording.spans['mode'].all] == ['Safe', 'Passive']
+    assert [span.text for span in recording.events.spans['mode'].all] == ['SAFE', 'PASSIVE']
     assert recording.gaps[0].text == 'nothing was recorded'
 
 
@@ -224,7 +228,7 @@ def test_a_reindexed_bag_is_read(bag, recording, tmp_path):
             '  avoid_ros_namespace_conventions: false'))))
     again = read(tmp_path / 'walk', quiet)
     assert list(again.odom['x']) == list(recording.odom['x'])
-    assert again.settings == recording.settings
+    assert again.events.settings == recording.events.settings
 
 
 def test_a_full_disk_leaves_the_old_report(bag, tmp_path, unmeasured):
@@ -336,13 +340,15 @@ def test_an_empty_recording_has_a_page(tmp_path):
 def test_texts_of_a_bag_are_no_html(tmp_path):
     made = recorded(10)
     made.name, made.faults, made.undefined = EVIL, [EVIL], [EVIL]
-    made.settings = {EVIL: EVIL}
-    made.spans['mode'].all.append(Span(0.0, EVIL, 0.1, EVIL))
-    made.warnings[EVIL] = Spans()
-    made.warnings[EVIL].all.append(Span(0.0, EVIL, 0.1))
+    statuses = [DiagnosticStatus(name='create: serial link'), DiagnosticStatus(
+        name=f'create: {PARAMETERS}', values=[KeyValue(key=EVIL, value=EVIL)]),
+        DiagnosticStatus(name=f'create: {EVIL}', level=b'\x01', message=EVIL)]
+    made.events.take('mode', 0.0, Mode(mode=Mode.PASSIVE, reason=EVIL))
+    made.events.take('diagnostics', 0.0, DiagnosticArray(status=statuses))
+    made.events.finish(0.1)
     write(made, tmp_path / 'page.html')
     text = (tmp_path / 'page.html').read_text()
-    assert '<img' not in text and text.count('&lt;img') == 11
+    assert '<img' not in text and text.count('&lt;img') == 9
     assert len(re.findall('</script>', text)) == 2
 
 

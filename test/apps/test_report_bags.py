@@ -78,7 +78,7 @@ def assert_same(recording: Recording, whole: Recording) -> None:
     """Assert that all is there that is in the whole bag."""
     assert list(recording.odom['x']) == list(whole.odom['x'])
     assert events(recording) == events(whole)
-    assert recording.settings == whole.settings
+    assert recording.events.settings == whole.events.settings
 
 
 def test_feedback_of_actions_which_rosbag2_does_not_define_is_skipped_and_named(
@@ -212,4 +212,4 @@ def test_messages_that_are_recorded_late_are_no_jump(tmp_path, monkeypatch):
             if not 5.0 <= time < 6.0:
                 yield (5.99 if 4.98 < time < 5.0 else time), topic, message
     monkeypatch.setattr(bags, 'messages', held_up)
-    assert not shown(bags.write(tmp_path / 'walk')).jumps
+    assert not shown(bags.write(tmp_path / 'walk')).events.jumps.all

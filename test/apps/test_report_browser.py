@@ -15,7 +15,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from create_oi_ros.apps.report.create_report import main
 from create_oi_ros.apps.report.page import write
-from create_oi_ros.apps.report.recording import Recording, Span
+from create_oi_ros.apps.report.recording import Recording
 from support.browser import OpenPage
 from support.ros import Scene, scene
 
@@ -233,7 +233,7 @@ def test_the_track_is_coloured_over_time_and_a_jump_breaks_it(browser, tmp_path,
     for tick in range(80):
         made.odom.add(tick / 4, tick % 40 * 9 / 39, 9.0 * (tick >= 40), 0.0, 0.5, 0.0)
     if jumps:
-        made.jumps.append(Span(10.0, 'Odometry jumps by 12.73 m (reset_pose)', 10.0))
+        made.events.jumps.change(10.0, 'Odometry jumps by 12.73 m (reset_pose)')
     with closing(shown(browser, tmp_path, made)) as page:
         page.until('document.getElementById("place").textContent.startsWith("x 9.00")')
         page.wait(lambda: page.page.evaluate("""() => {
@@ -251,12 +251,13 @@ def test_the_track_is_coloured_over_time_and_a_jump_breaks_it(browser, tmp_path,
 def test_what_was_not_recorded_is_left_out_and_named(browser, tmp_path):
     made = blank()
     made.heard.add('mode')
-    made.spans['mode'].all.append(Span(0.0, 'Safe', 20.0))
+    made.events.spans['mode'].change(0.0, 'SAFE')
+    made.events.finish(20.0)
     with closing(shown(browser, tmp_path, made)) as page:
         page.page.get_by_text('Not recorded: odom, cmd_vel, battery_state, diagnostics, bumper, '
                               'cliff, wheel_drop').wait_for()
         assert page.page.locator('figure').count() == 1
-        assert page.text('figure').split() == ['What', 'holds', 'Safe']
+        assert page.text('figure').split() == ['What', 'holds', 'SAFE']
         assert page.page.locator('#map-canvas:visible, #place:visible').count() == 0
         assert page.errors == []
 

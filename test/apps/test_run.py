@@ -24,6 +24,8 @@ import yaml
 from create_oi_ros.apps import run as create_run
 from create_oi_ros.apps.run import RobotStatus, WIDTH
 from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, records_of
+from create_oi_ros.ros.collector import NAMES
+from create_oi_ros.ros.diagnostics import LINK
 from create_oi_ros.ros.messages import of_yaw
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import children_of, TIMEOUT
@@ -176,13 +178,28 @@ def test_a_terminal_shows_one_line_that_changes_in_place(stage):
 # The status line: what it shows, and that it fits.
 
 
+NAME_OF = {topic.type: name for name, topic in NAMES.items()}
 PORT = '/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0'
 ANY = st.floats(-1e9, 1e9) | st.just(nan)
 
 
-def driving(x: float = 1.0, yaw: float = 0.0) -> RobotStatus:
+class Status(RobotStatus):
+    """A status whose messages come one after the other, a tenth of a second apart."""
+
+    now = 0.0
+
+    def take(self, message: object) -> None:
+        self.now += 0.1
+        super().take(NAME_OF[type(message)], self.now, message)
+
+    def line(self) -> str:
+        self.now += 0.1
+        return super().line(self.now)
+
+
+def driving(x: float = 1.0, yaw: float = 0.0) -> Status:
     """Return the status of a robot in SAFE that drives."""
-    status = RobotStatus()
+    status = Status()
     odom = Odometry()
     odom.pose.pose.position.x = x
     odom.twist.twist.linear.x = 0.2
@@ -195,9 +212,10 @@ def driving(x: float = 1.0, yaw: float = 0.0) -> RobotStatus:
 
 
 def diagnostics(about: str, level: bytes, message: str) -> DiagnosticArray:
-    """Return the diagnostics of a driver with one status."""
+    """Return the diagnostics of a driver with this status, and one of its line."""
     return DiagnosticArray(status=[
-        DiagnosticStatus(name=f'create: {about}', level=level, message=message)])
+        DiagnosticStatus(name=f'create: {about}', level=level, message=message),
+        *([] if about == LINK else [DiagnosticStatus(name=f'create: {LINK}')])])
 
 
 def test_the_usual_line_counts_frames_anew_each_second():
@@ -205,7 +223,7 @@ def test_the_usual_line_counts_frames_anew_each_second():
     assert status.line() == (
         ' 1 frames/s  SAFE     x +1.00 y +0.00 m    +0 deg  90%  +0.20 m/s  +0.00 rad/s')
     assert status.line().startswith(' 0 frames/s')
-    assert RobotStatus().line() == ' 0 frames/s  no node yet'
+    assert Status().line() == ' 0 frames/s  no node yet'
     assert ' -170 deg' in driving(yaw=190 * pi / 180).line(), 'within half a turn'
 
 

@@ -351,7 +351,7 @@ def test_what_is_touched_lights_up_trembles_and_is_listed(robot, shown):
     page.until('document.getElementById("sensed").textContent === "nothing touched"')
     assert page.evaluate('window.buzzes') == [80, [80, 60, 80]]
     logged = page.text('#log-list').splitlines()
-    assert logged.index('▲ bumper left') > logged.index('▲ cliff front right')
+    assert logged.index('▲ Bump left') > logged.index('▲ Cliff front right')
 
 
 # Layout.

@@ -5,8 +5,8 @@
 import json
 from math import inf, nan, pi
 
-from create_oi_msgs.msg import Bumper, Cliff, IrOmni, Mode, Wall
-from diagnostic_msgs.msg import DiagnosticStatus
+from create_oi_msgs.msg import Bumper, Cliff, Mode, Wall
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
@@ -17,17 +17,15 @@ from create_oi_ros.apps.web.bag_recording import recorder_arguments
 from create_oi_ros.apps.web.live_robot import (
     BatteryTime,
     Cursor,
-    FlatPose,
     LiveRobot,
     MOST_POINTS,
-    NewestLog,
     OLD,
     SILENT,
-    STEP,
     TrackLog,
 )
 from create_oi_ros.apps.web.simulated_truth import room_origin
 from create_oi_ros.ros import topics
+from create_oi_ros.ros.collector import FlatPose, NAMES
 from support.anything import anything
 
 
@@ -37,6 +35,21 @@ def odom(x: float = 0.0, y: float = 0.0, speed: float = 0.0) -> Odometry:
     made.pose.pose.position.x, made.pose.pose.position.y = x, y
     made.twist.twist.linear.x = speed
     return made
+
+
+def diagnostics(level: bytes, message: str) -> DiagnosticArray:
+    """Return what a driver says of its battery, beside a line that is fine."""
+    return DiagnosticArray(status=[
+        DiagnosticStatus(name='create: serial link'),
+        DiagnosticStatus(name='create: battery', level=level, message=message)])
+
+
+NAME_OF = {topic.type: name for name, topic in NAMES.items()}
+
+
+def update(robot: LiveRobot, message: object, now: float) -> None:
+    """Give a message to the robot as its topic does."""
+    robot.update(NAME_OF[type(message)], message, now)
 
 
 BEGIN = Cursor()
@@ -50,15 +63,15 @@ def news(robot: LiveRobot, cursor: Cursor = BEGIN, now: float = 0.0):
 
 def test_a_page_is_told_each_change_once():
     robot = LiveRobot()
-    robot.update(odom(1.0, 2.0), 0.0)
-    robot.update(Mode(mode=Mode.PASSIVE, wanted=Mode.SAFE, reason='cliff'), 0.0)
+    update(robot, odom(1.0, 2.0), 0.0)
+    update(robot, Mode(mode=Mode.PASSIVE, wanted=Mode.SAFE, reason='cliff'), 0.0)
     first, cursor = news(robot)
     assert first['type'] == 'news'
     assert first['pose']['x'] == 1.0
     assert first['anew'] == [1.0, 2.0]
     assert first['mode'] == {'actual': 'PASSIVE', 'wanted': 'SAFE', 'reason': 'cliff'}
     assert news(robot, cursor, 0.5) == ({'type': 'news', 'at': 0.5}, cursor)
-    robot.update(odom(1.1, 2.0), 0.2)
+    update(robot, odom(1.1, 2.0), 0.2)
     second, cursor = news(robot, cursor)
     assert second.keys() == {'type', 'at', 'pose', 'track'}
     assert second['track'] == [1.1, 2.0]
@@ -66,27 +79,27 @@ def test_a_page_is_told_each_change_once():
 
 def test_a_touch_is_an_event_where_it_began():
     robot = LiveRobot()
-    robot.update(Bumper(left=True), 0.0)
-    robot.update(Bumper(), 0.0)
+    update(robot, Bumper(left=True), 0.0)
+    update(robot, Bumper(), 0.0)
     assert 'events' not in news(robot)[0], 'its place is not known'
-    robot.update(odom(1.0), 0.1)
-    robot.update(Bumper(left=True), 0.1)
-    robot.update(Bumper(left=True, right=True), 0.2)
-    robot.update(Cliff(front_left=True), 0.2)
+    update(robot, odom(1.0), 0.1)
+    update(robot, Bumper(left=True), 0.1)
+    update(robot, Bumper(left=True, right=True), 0.2)
+    update(robot, Cliff(front_left=True), 0.2)
     told, cursor = news(robot)
     assert told['events'] == [['bumper', 1.0, 0.0, 'left'], ['cliff', 1.0, 0.0, 'front left']]
     assert told['bump'] == {'left': True, 'right': True}
-    robot.update(Bumper(), 0.3)
-    robot.update(Bumper(right=True), 0.3)
+    update(robot, Bumper(), 0.3)
+    update(robot, Bumper(right=True), 0.3)
     assert news(robot, cursor)[0]['events'] == [['bumper', 1.0, 0.0, 'right']]
 
 
 def test_after_a_reset_of_the_odometry_the_track_begins_anew():
     robot = LiveRobot()
-    robot.update(odom(3.0), 0.0)
-    robot.update(Bumper(left=True), 0.0)
+    update(robot, odom(3.0), 0.0)
+    update(robot, Bumper(left=True), 0.0)
     _, cursor = news(robot)
-    robot.update(odom(0.0), 0.02)
+    update(robot, odom(0.0), 0.02)
     told, cursor = news(robot, cursor)
     assert told['anew'] == [0.0, 0.0]
     assert 'events' not in told
@@ -98,7 +111,7 @@ def test_after_a_reset_of_the_odometry_the_track_begins_anew():
 def test_a_place_or_heading_that_cannot_be_drawn_is_left_out(place, heading):
     robot, message = LiveRobot(), odom(place)
     message.pose.pose.orientation.z = heading
-    robot.update(message, 0.0)
+    update(robot, message, 0.0)
     told, _ = news(robot)
     assert 'pose' not in told and told['anew'] == []
 
@@ -109,8 +122,8 @@ def test_samples_come_five_times_a_second_while_the_driver_speaks():
     told, cursor = news(robot)
     assert told['silent'] is True and 'samples' not in told
     for step in range(20):
-        robot.update(odom(speed=0.2), step / 20)
-        robot.update(Wall(signal=step), step / 20)
+        update(robot, odom(speed=0.2), step / 20)
+        update(robot, Wall(signal=step), step / 20)
         robot.sample(step / 20)
     told, cursor = news(robot, cursor)
     assert told['silent'] is False
@@ -123,17 +136,17 @@ def test_samples_come_five_times_a_second_while_the_driver_speaks():
 def test_a_value_that_comes_again_is_old_when_it_does_not():
     robot = LiveRobot()
     for now in (0.0, 1.0, 2.0):
-        robot.update(BatteryState(), now)
-        robot.update(odom(), now)
-    robot.update(Mode(), 2.0)
+        update(robot, BatteryState(), now)
+        update(robot, odom(), now)
+    update(robot, Mode(), 2.0)
     robot.sample(2.0 + OLD)
     assert news(robot)[0]['old'] == []
-    robot.update(odom(), 2.0 + OLD)
+    update(robot, odom(), 2.0 + OLD)
     robot.sample(2.1 + OLD)
     assert news(robot)[0]['old'] == ['battery'], 'the mode comes only when it changes'
     slow = LiveRobot()
     for now in (0.0, 10.0):  # sensor_rate: 0.1
-        slow.update(Wall(), now)
+        update(slow, Wall(), now)
     slow.sample(25.0)
     assert news(slow)[0]['old'] == []
     slow.sample(41.0)
@@ -142,17 +155,18 @@ def test_a_value_that_comes_again_is_old_when_it_does_not():
 
 def test_what_happened_is_told_with_its_time_and_once():
     robot = LiveRobot()
-    robot.update(Mode(mode=Mode.SAFE, wanted=Mode.SAFE), 1.0)
-    robot.update(Mode(mode=Mode.PASSIVE, wanted=Mode.SAFE, reason='cliff left'), 2.0)
-    robot.update(Bumper(left=True), 3.0)
-    robot.update(Bumper(left=True, right=True), 3.1)
+    update(robot, Mode(mode=Mode.SAFE, wanted=Mode.SAFE), 1.0)
+    update(robot, Mode(mode=Mode.PASSIVE, wanted=Mode.SAFE, reason='cliff left'), 2.0)
+    update(robot, Bumper(left=True), 3.0)
+    update(robot, Bumper(left=True, right=True), 3.1)
     for now in (4.0, 5.0):
-        robot.diagnose({'battery': DiagnosticStatus(level=b'\x01', message='low')}, now)
-    robot.diagnose({'battery': DiagnosticStatus(message='fine')}, 6.0)
+        update(robot, diagnostics(b'\x01', 'low'), now)
+    update(robot, diagnostics(b'\x00', 'fine'), 6.0)
     told, cursor = news(robot)
     assert told['log'] == [
-        [1.0, '', 'mode SAFE'], [2.0, 'warn', 'mode PASSIVE: cliff left'],
-        [3.0, 'warn', 'bumper left'], [4.0, 'warn', 'battery: low'], [6.0, '', 'battery: fine']]
+        [1.0, '', 'Mode SAFE'], [2.0, 'warn', 'Mode PASSIVE (cliff left)'],
+        [3.0, 'warn', 'Bump left'], [4.0, 'warn', 'battery: low']]
+    assert told['diagnostics']['battery'] == {'level': 0, 'message': 'fine', 'values': {}}
     assert 'log' not in news(robot, cursor)[0]
 
 
@@ -161,29 +175,9 @@ def test_any_message_of_a_driver_becomes_json(data):
     robot = LiveRobot()
     heard = [topic.type for topic in topics.SENSOR_TOPICS if topic.name != 'cargo_bay']
     for _ in range(3):
-        robot.update(data.draw(anything(data.draw(st.sampled_from([*heard, Odometry, Mode])))), 0)
+        update(robot, data.draw(anything(data.draw(st.sampled_from([*heard, Odometry, Mode])))), 0)
     robot.sample(0.1)
     news(robot)
-
-
-def test_the_name_of_an_infrared_character_is_told():
-    robot = LiveRobot()
-    robot.update(IrOmni(character=248, name='home_base_red_buoy'), 0.0)
-    assert news(robot)[0]['infrared'] == {'code': 248, 'name': 'home_base_red_buoy'}
-
-
-def test_a_log_keeps_the_newest_and_tells_each_reader_what_is_new_for_it():
-    log = NewestLog(3)
-    for each in 'abcde':
-        log.add(each)
-    assert (log.since(0), log.since(3), log.since(5)) == (['c', 'd', 'e'], ['d', 'e'], [])
-
-
-def test_a_robot_that_stands_adds_no_points():
-    track = TrackLog()
-    for second in range(100):
-        track.add(FlatPose(STEP / 2 * (second % 2), 0.0, 0.0))
-    assert track.since(0) == [0.0, 0.0]
 
 
 def test_a_track_of_days_stays_small_and_goes_all_the_way():
@@ -198,12 +192,12 @@ def test_a_track_of_days_stays_small_and_goes_all_the_way():
 
 def test_pages_get_a_track_anew_when_it_has_lost_points_and_keep_the_events():
     robot = LiveRobot()
-    robot.update(odom(), 0.0)
-    robot.update(Bumper(left=True), 0.0)
+    update(robot, odom(), 0.0)
+    update(robot, Bumper(left=True), 0.0)
     _, cursor = news(robot)
     anew = 0
     for second in range(2 * MOST_POINTS):
-        robot.update(odom(0.1 * second), float(second))
+        update(robot, odom(0.1 * second), float(second))
         if second % 1000 == 0:
             told, cursor = news(robot, cursor)
             anew += 'anew' in told
@@ -229,27 +223,10 @@ def test_the_battery_s_time_is_its_charge_over_the_mean_current_until_the_charge
     assert time.left(**battery(current=1.0), now=2.0) == 60
 
 
-def test_battery_numbers_that_are_none_are_told_as_unknown():
-    robot = LiveRobot()
-    robot.update(BatteryState(percentage=nan, voltage=15.0, current=-0.2, charge=nan), 0.0)
-    told = news(robot)[0]['battery']
-    assert (told['part'], told['minutes'], told['voltage']) == (None, None, 15.0)
-
-
 def test_the_room_lies_where_both_poses_are_one():
     assert room_origin(FlatPose(0, 0, 0), FlatPose(1, 2, pi / 2)) == pytest.approx(
         (-2, 1, -pi / 2))
     assert room_origin(FlatPose(2, 0, 3), FlatPose(0, 0, 0)) == (2, 0, 3)
-
-
-@pytest.mark.parametrize('after', [odom(), odom(2.0, 1.0)])
-def test_a_jump_of_the_odometry_counts_as_a_reset(after):
-    robot = LiveRobot()
-    robot.update(odom(2.0), 0.0)
-    robot.update(odom(2.3), 0.5)
-    assert robot.resets == 0
-    robot.update(after, 0.6)
-    assert robot.resets == 1
 
 
 def test_a_recorder_gets_the_names_and_the_enclave_of_its_page():

@@ -17,6 +17,7 @@ from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
 import pytest
 import rclpy
+from rclpy.exceptions import ParameterException
 from rclpy.parameter import Parameter
 from rclpy.task import Future
 
@@ -146,7 +147,7 @@ def test_a_velocity_drives_within_the_limits_or_not_at_all(node, message):
     desk = Desk()
     session, node.session = node.session, desk
     try:
-        node._commands._take(message, {'publication_sequence_number': None})
+        node._commands._take(message)
     finally:
         node.session = session
     twist = message if isinstance(message, Twist) else message.twist
@@ -254,7 +255,7 @@ def test_a_parameter_beyond_its_range_is_refused(node, declared):
     assert node.parameters == before
     for value in bad_values(declared):
         with (started_with(declared.name, value) as starting,
-              pytest.raises(ValueError, match=f'^parameter {declared.name} ') as refused):
+              pytest.raises((ValueError, ParameterException), match=declared.name) as refused):
             declare(starting)
         if not isinstance(value, type(declared.default)):
             assert 'is of the wrong type: it takes' in str(refused.value)

@@ -41,7 +41,7 @@ def all_of(loop: Loop, before: LinkCounts | None = None) -> dict[str, Diagnostic
         diagnostics.serial_link(health, 'port', before or LinkCounts(), 1.0),
         diagnostics.mode(health), diagnostics.safety(health),
         diagnostics.battery(health, charge_known=True),
-        diagnostics.driver(health, 0, (), contested=False)]
+        diagnostics.driver(health, 0, ())]
     return {status.name: status for status in made}
 
 

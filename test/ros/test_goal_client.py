@@ -42,9 +42,9 @@ with goal_client.GoalClient() as robot:
 UNANSWERED = """
 import gc
 from rclpy.task import Future
-from create_oi_ros.ros import goal_client
+from create_oi_ros.ros import driver_client, goal_client
 
-goal_client.ANSWER_TIMEOUT = 0.2
+driver_client.REPLY_TIMEOUT = 0.2
 with goal_client.GoalClient() as robot:
     kept = []
     for _ in range(5):
@@ -115,8 +115,8 @@ def test_without_a_driver_the_program_ends_with_a_sentence(stage):
     said, ended = program.printed
     assert said.startswith('goal_client: waits for the action drive_distance in ROS domain '
                            f'{stage.domain}; on this computer ')
-    assert ended == (
-        f'GoalFailed: drive_distance: no driver was found in ROS domain {stage.domain}\n')
+    assert ended == ('GoalFailed: drive_distance: no driver offers /drive_distance in ROS domain '
+                     f'{stage.domain}\n')
 
 
 def test_a_request_that_is_not_answered_is_given_up(stage):
@@ -125,7 +125,7 @@ def test_a_request_that_is_not_answered_is_given_up(stage):
     script.write_text(UNANSWERED)
     program = stage.script(script)
     assert program.ended() == 0
-    assert program.printed == 5 * ['stop: the driver does not answer\n'] + ['True\n']
+    assert program.printed == 5 * ['stop: the driver does not answer within 0.2 s\n'] + ['True\n']
 
 
 def test_an_example_that_fails_says_why_in_one_line(ready):

@@ -79,8 +79,11 @@ def test_a_long_tune_is_played(stage):
 @pytest.mark.nightly
 def test_two_robots_drive_a_square_each(tmp_path):
     with scene(tmp_path) as stage:
-        fleet = stage.program('create_fleet', '--simulated', '2')
-        stage.ros.until(lambda: fleet.output.count('robot answers') == 2, 'two robots')
+        robots = [stage.program(
+            'create_run', '--ros-args', '-r', f'__ns:=/{name}', '-p', f'odom_frame:={name}/odom',
+            '-p', f'base_frame:={name}/base_footprint') for name in ('robot1', 'robot2')]
+        for robot in robots:
+            stage.ros.until(lambda robot=robot: 'robot answers' in robot.output, 'a robot')
         program = stage.example('two_robots.py')
         for count in range(1, 9):
             stage.ros.until(lambda count=count: len(program.printed) >= count, f'move {count}')

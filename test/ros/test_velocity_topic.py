@@ -130,25 +130,6 @@ def test_best_effort_ends_when_all_have_been_reliable_for_a_while(stage):
     stage.hears(stage.publisher(Twist), 0.2)
 
 
-def test_two_that_send_in_turn_are_noticed_and_one_after_the_other_is_not(stage):
-    made = stage.start()
-    first, second = stage.publisher(Twist), stage.publisher(Twist)
-    for number in range(5):
-        stage.hears(first, number + 0.1)
-    for number in range(5):
-        stage.hears(second, number + 0.2)
-    assert not made.contested()
-
-    def noticed() -> bool:
-        stage.hears(first, 0.1)
-        stage.hears(second, 0.2)
-        return made.contested()
-    stage.ros.until(noticed)
-    for _ in range(3):
-        stage.hears(second, 0.3)
-    assert not made.contested()
-
-
 def test_two_drivers_in_one_process_that_share_the_topic_both_change(stage):
     stage.start()
     stage.start()

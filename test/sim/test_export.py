@@ -1,26 +1,16 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Worlds as maps for Nav2 and as walls for Gazebo, against the worlds' own geometry."""
+"""Worlds as maps for Nav2, against the worlds' own geometry."""
 
-from math import atan2, floor, hypot, inf, remainder, tau
+from math import floor, hypot, inf
 from pathlib import Path
 from random import Random
-from xml.etree import ElementTree
 
 import pytest
 import yaml
 
 from create_oi_ros.sim.world import shipped, shipped_names, World
-from create_oi_ros.sim.world.floor_plan import (
-    FREE,
-    Map,
-    map_of,
-    OCCUPIED,
-    RESOLUTION,
-    sdf_of,
-    UNKNOWN,
-)
-from create_oi_ros.sim.world.geometry import Disc
+from create_oi_ros.sim.world.floor_plan import FREE, Map, map_of, OCCUPIED, RESOLUTION, UNKNOWN
 from support.simulator import simulator
 
 REACH = hypot(RESOLUTION, RESOLUTION)
@@ -65,29 +55,9 @@ def test_free_is_where_a_robot_could_be_and_unknown_what_lies_outside(name):
     assert grey_at(drawn, drawn.x - 5, drawn.y) == UNKNOWN
 
 
-def test_every_obstacle_is_a_link_in_gazebo():
-    world = shipped('apartment')
-    links = ElementTree.fromstring(sdf_of(world)).findall("./world/model[@name='obstacles']/link")
-    assert len(links) == len(world.obstacles)
-    for link, obstacle in zip(links, world.obstacles):
-        x, y, z, _, _, yaw = map(float, link.findtext('pose').split())
-        shape = link.find('collision/geometry')
-        if isinstance(obstacle, Disc):
-            assert (x, y) == pytest.approx((obstacle.x, obstacle.y), abs=1e-4)
-            assert float(shape.findtext('cylinder/radius')) == obstacle.radius
-        else:
-            (ax, ay), (bx, by) = obstacle.ends
-            assert (x, y) == pytest.approx(((ax + bx) / 2, (ay + by) / 2), abs=1e-4)
-            assert abs(remainder(yaw - atan2(by - ay, bx - ax), tau)) < 1e-5
-            size = [float(number) for number in shape.findtext('box/size').split()]
-            assert size[0] == pytest.approx(obstacle.length, abs=1e-4)
-        assert z > 0
-
-
 def test_a_world_of_nothing_is_free_floor():
     drawn = map_of(World())
     assert set(drawn.cells) == {FREE}
-    assert ElementTree.fromstring(sdf_of(World())).find('world') is not None
 
 
 def test_the_program_writes_a_map_that_nav2_can_load(tmp_path: Path):
@@ -106,11 +76,3 @@ def test_the_program_writes_a_map_that_nav2_can_load(tmp_path: Path):
     head, size, depth, cells = (tmp_path / 'apartment.pgm').read_bytes().split(b'\n', 3)
     assert (head, size, depth) == (b'P5', f'{drawn.width} {drawn.height}'.encode(), b'255')
     assert cells == drawn.cells
-
-
-def test_the_program_writes_walls_for_gazebo(tmp_path: Path):
-    path = tmp_path / 'room.sdf'
-    with simulator('--world', 'room', '--export', path) as sim:
-        assert sim.ended() == (0, '', '')
-    assert sim.said == f'{path}: walls for Gazebo\n'
-    assert path.read_text() == sdf_of(shipped('room'))

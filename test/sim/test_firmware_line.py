@@ -23,13 +23,6 @@ import vectors
 ASK_MODE = bytes([142, 35])
 
 
-def pulse(robot: Robot, seconds: float, times: int = 3) -> None:
-    """Pull the baud rate change pin low, and let go."""
-    for _ in range(times):
-        robot.body.force(device_detect=0, seconds=seconds)
-        robot.run(seconds + 0.2)
-
-
 def booted(robot: Robot) -> Robot:
     """Switch a robot off and on, and wait until it hears."""
     robot.create.power(False, robot.now)
@@ -48,63 +41,13 @@ def without_power(robot: Robot, which: str) -> None:
 
 # Serial Port Settings.
 
-def test_holding_play_when_powering_on_plays_a_descending_tune_and_switches_to_19200() -> None:
-    robot = Robot()
-    robot.create.power(False, robot.now)
-    robot.body.force(play=1)
-    robot.create.power(True, robot.now)
-    robot.run(3.9)
-    assert (robot.create.baud, robot.create.note) == (57600, 0)
-    notes = []
-    for _ in range(60):
-        robot.slots()
-        notes.append(robot.create.note)
-    pitches = [note for note in dict.fromkeys(notes) if note]
-    assert len(pitches) > 2
-    assert pitches == sorted(pitches, reverse=True)
-    assert robot.create.baud == 19200
-
-
 @pytest.mark.parametrize('ends', ['power', 'battery'])
-def test_method_1_lasts_until_the_power_is_turned_off_or_the_battery_removed(ends: str) -> None:
-    robot = Robot()
-    robot.create.power(False, robot.now)
-    robot.body.force(play=1, seconds=5)
-    robot.create.power(True, robot.now)
-    robot.run(6)
+def test_a_rate_lasts_until_the_power_is_turned_off_or_the_battery_removed(ends: str) -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(oi.Baud(code=7))
     assert robot.create.baud == 19200
     without_power(robot, ends)
     assert robot.create.baud == 57600
-
-
-@pytest.mark.parametrize(('seconds', 'times', 'baud'), [
-    (0.05, 3, 19200), (0.2, 3, 19200), (0.5, 3, 19200), (0.2, 2, 57600), (0.03, 3, 57600),
-    (0.6, 3, 57600)])
-def test_three_low_pulses_of_50_to_500_ms_switch_to_19200(
-        seconds: float, times: int, baud: int) -> None:
-    robot = booted(Robot())
-    pulse(robot, seconds, times)
-    assert robot.create.baud == baud
-
-
-def test_pulses_count_only_2_seconds_after_turning_on() -> None:
-    robot = Robot()
-    robot.create.power(False, robot.now)
-    robot.create.power(True, robot.now)
-    pulse(robot, 0.1)
-    assert robot.create.baud == 57600
-
-
-def test_method_2_lasts_until_battery_power_is_lost_or_the_oi_changes_the_rate() -> None:
-    robot = booted(Robot())
-    pulse(robot, 0.1)
-    assert booted(robot).create.baud == 19200
-    robot.create.lose_battery(robot.now)
-    assert robot.create.baud == 57600
-    pulse(booted(robot), 0.1)
-    robot.say(oi.Start(), oi.Baud(code=9))
-    assert robot.create.baud == 38400
-    assert booted(robot).create.baud == 57600
 
 
 def test_the_battery_voltage_below_the_minimum_turns_the_robot_off() -> None:

@@ -22,8 +22,9 @@ from typing import Any
 import zlib
 
 from ... import pages
+from ...ros.collector import KINDS, Span
 from ...ros.odometry_model import write_whole
-from .recording import CURVES, Recording, Span, SPANS
+from .recording import CURVES, Recording
 from .summary import absent, events, summary, TimelineEvent, warnings
 
 LONGEST = 2000
@@ -74,10 +75,10 @@ def _event_table(shown: list[TimelineEvent]) -> str:
 
 
 def _settings(recording: Recording) -> str:
-    if not recording.settings:
+    if not recording.events.settings:
         return '<p>Not in the bag: record /diagnostics to have them.</p>'
     rows = [f'<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>'
-            for name, value in recording.settings.items()]
+            for name, value in recording.events.settings.items()]
     return '<table>' + '\n'.join(rows) + '</table>'
 
 
@@ -146,6 +147,7 @@ def _bars(spans: Iterable[Span]) -> list[list[Any]]:
 def page_data(recording: Recording, most: int) -> dict[str, Any]:
     """Return all that the page draws, with at most `most` points of each curve."""
     curves: dict[str, Any] = {}
+    happened = recording.events
     for kind, units in CURVES.items():
         curve = getattr(recording, kind)
         places = kept([curve[name] for name in units if name not in POSE], most)
@@ -155,9 +157,9 @@ def page_data(recording: Recording, most: int) -> dict[str, Any]:
                         for name, (values, unit) in columns.items()}
     return {
         'seconds': recording.seconds, 'pause': PAUSE, 'damage': recording.damage,
-        'began': recording.began, 'jumps': [round(each.start, 3) for each in recording.jumps],
+        'began': recording.began, 'jumps': [round(each.start, 3) for each in happened.jumps.all],
         'gaps': _bars(recording.gaps),
-        'spans': [{'name': name, 'spans': _bars(recording.spans[name].all)} for name in SPANS
+        'spans': [{'name': name, 'spans': _bars(happened.spans[name].all)} for name in KINDS
                   if name.replace(' ', '_') in recording.heard],
         'curves': curves}
 

@@ -4,17 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from datetime import datetime, UTC
 from math import hypot, isfinite
 from typing import NamedTuple
 
-from .recording import Recording, Span, TOPICS
+from ...ros.collector import Span
+from .recording import Recording, TOPICS
 
-WORDS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
-         'overcurrent': 'Too much current', 'buttons': 'Button', 'song': 'Plays',
-         'charging': 'Charging:'}
-"""How the text of an event begins, by its kind."""
+LEVELS = {'warn': 'warning', 'error': 'error'}
 HOUR = 3600
 
 
@@ -36,24 +33,19 @@ def clock(seconds: float) -> str:
 
 def events(recording: Recording) -> list[TimelineEvent]:
     """Return all events, in order of time."""
-    found = list(_modes(recording))
-    for kind, word in WORDS.items():
-        for span in recording.spans[kind].all:
-            found.append(TimelineEvent(span.start, kind, f'{word} {span.text}{_duration(span)}'))
-    for span in recording.jumps:
-        found.append(TimelineEvent(span.start, 'odometry', span.text))
+    found, before = [], ''
+    for kind, spans in recording.events.spans.items():
+        for span in spans.all:
+            if kind != 'mode':
+                found.append(TimelineEvent(span.start, kind, f'{span.sentence}{_duration(span)}'))
+            elif span.text != before:
+                before = span.text
+                found.append(TimelineEvent(span.start, kind, span.sentence))
+    for span in recording.events.jumps.all:
+        found.append(TimelineEvent(span.start, span.kind, span.sentence))
     for span in recording.gaps:
         found.append(TimelineEvent(span.start, 'gap', f'Gap{_duration(span)}: {span.text}'))
     return sorted(found, key=lambda each: each.time)
-
-
-def _modes(recording: Recording) -> Iterator[TimelineEvent]:
-    before = ''
-    for span in recording.spans['mode'].all:
-        reason = f' ({span.reason})' if span.reason else ''
-        if span.text != before:
-            yield TimelineEvent(span.start, 'mode', f'Mode {span.text}{reason}')
-        before = span.text
 
 
 def _duration(span: Span) -> str:
@@ -63,7 +55,7 @@ def _duration(span: Span) -> str:
 def travelled(recording: Recording) -> float:
     """Return the length of the track, metres, without jumps of the odometry."""
     xs, ys, jumps = recording.odom['x'], recording.odom['y'], {
-        span.start for span in recording.jumps}
+        span.start for span in recording.events.jumps.all}
     steps = zip(xs, xs[1:], ys, ys[1:], recording.odom.times[1:])
     return sum(hypot(b - a, d - c) for a, b, c, d, time in steps if time not in jumps)
 
@@ -80,9 +72,9 @@ def summary(recording: Recording) -> list[str]:
         lines.append(f'It drove {travelled(recording):.2f} m, at most {fastest:.2f} m/s.')
     lines += [_times_in_modes(recording), _counts(recording), _battery(recording)]
     lines += [_link(recording), _gaps(recording)]
-    version = recording.settings.get('version')
+    version = recording.events.settings.get('version')
     if version:
-        port = recording.settings.get('port', 'unknown')
+        port = recording.events.settings.get('port', 'unknown')
         lines.append(f'Driver version {version}, port {port}.')
     if recording.undefined:
         lines.append('Topics that the bag does not define, so nothing can read them: '
@@ -101,7 +93,7 @@ def absent(recording: Recording) -> list[str]:
 
 def _times_in_modes(recording: Recording) -> str:
     times: dict[str, float] = {}
-    for span in recording.spans['mode'].all:
+    for span in recording.events.spans['mode'].all:
         times[span.text] = times.get(span.text, 0.0) + span.end - span.start
     parts = [f'{text} {seconds:.1f} s' for text, seconds in times.items()]
     return f'Modes: {", ".join(parts)}.' if parts else ''
@@ -110,7 +102,7 @@ def _times_in_modes(recording: Recording) -> str:
 def _counts(recording: Recording) -> str:
     names = {'bumper': 'bumps', 'cliff': 'cliffs', 'wheel drop': 'wheel drops',
              'buttons': 'pressed buttons', 'song': 'songs'}
-    parts = [f'{name}: {len(recording.spans[kind])}' for kind, name in names.items()
+    parts = [f'{name}: {len(recording.events.spans[kind])}' for kind, name in names.items()
              if kind.replace(' ', '_') in recording.heard]
     return f'Number of {", ".join(parts)}.' if parts else ''
 
@@ -145,6 +137,6 @@ def _gaps(recording: Recording) -> str:
 def warnings(recording: Recording) -> list[TimelineEvent]:
     """Return the warnings of the diagnostics, in order of time."""
     return sorted(
-        (TimelineEvent(span.start, subject, f'{span.text}{_duration(span)}')
-         for subject, spans in recording.warnings.items() for span in spans.all),
+        (TimelineEvent(span.start, subject, f'{LEVELS[span.level]}: {span.text}{_duration(span)}')
+         for subject, spans in recording.events.warnings.items() for span in spans.all),
         key=lambda each: each.time)

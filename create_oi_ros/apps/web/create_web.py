@@ -9,7 +9,6 @@ import asyncio
 from collections.abc import Sequence
 from contextlib import suppress
 import errno
-from functools import partial
 from importlib.util import find_spec
 import os
 from pathlib import Path
@@ -41,8 +40,6 @@ TOKEN_BYTES = 16
 TOKEN = re.compile(r'[\w-]{20,100}', re.ASCII)
 LOOKED_AT, ALONE = 0.05, 0.1
 """Seconds between two looks at what ROS has brought, with a page open and without."""
-COMPLAINT = 60.0
-"""Seconds between two lines about bad HTTP."""
 EVERYWHERE = ('', '0.0.0.0', '::')
 """Hosts that mean every network of this computer."""
 DOCUMENTATION_NET = '192.0.2.1'
@@ -138,15 +135,14 @@ async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobo
 async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
                  options: argparse.Namespace, token: str | None, tls: ssl.SSLContext | None,
                  ended: asyncio.Event) -> None:
-    robot = LiveRobot()
-    node = WebNode(robot)
+    node = WebNode()
     executor.add_node(node)
+    robot = node.robot
     recording = BagRecording(robot, options.ros)
-    viewers = Viewers(node, robot, recording)
+    viewers = Viewers(node, recording)
     port = listener.getsockname()[1]
     server = WebServer(Access(token), viewers, recording, port, secure=tls is not None)
-    runner = await server.serve(listener, tls, partial(
-        node.get_logger().warning, throttle_duration_sec=COMPLAINT))
+    runner = await server.serve(listener, tls)
     _announce(node, f'http{"s" if tls else ""}://{own_address(options.host)}:{port}/', token)
     say_if_waiting(node, 'a driver', lambda: not node.velocity.driver_listens,
                    node.get_logger().warning)

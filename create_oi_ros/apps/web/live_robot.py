@@ -12,38 +12,30 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 import json
-from math import exp, hypot, inf, isfinite, remainder, tau
+from math import exp, hypot, inf, isfinite
 from typing import Any, NamedTuple
 
 from create_oi_msgs import msg
-from diagnostic_msgs.msg import DiagnosticStatus
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import BatteryState
 
-from ...ros.diagnostics import PARAMETERS
-from ...ros.messages import charging_name, mode_name, yaw_of
+from ...ros.collector import Collector, flags, FlatPose, level_of, REPEATED, values_of
+from ...ros.messages import charging_name, mode_name
 
 Json = Any
-PARTS: Mapping[type, str] = {
-    Odometry: 'pose', BatteryState: 'battery', msg.Mode: 'mode', msg.Charging: 'charging',
-    msg.Bumper: 'bump', msg.Cliff: 'cliff', msg.WheelDrop: 'drop', msg.Wall: 'wall',
-    msg.Buttons: 'buttons', msg.Overcurrent: 'overcurrent', msg.Song: 'song',
-    msg.IrOmni: 'infrared'}
-"""Messages that `LiveRobot.update` takes, and the parts that are made from them."""
-HAZARDS = {'bump': 'bumper', 'cliff': 'cliff', 'drop': 'wheel drop'}
-"""Parts whose flags are events on the map, and their names for people."""
-REPEATED = ('pose', 'battery', 'wall', *HAZARDS)
+PARTS: Mapping[str, str] = {
+    'odom': 'pose', 'battery_state': 'battery', 'mode': 'mode', 'charging': 'charging',
+    'bumper': 'bump', 'cliff': 'cliff', 'wheel_drop': 'drop', 'wall': 'wall',
+    'buttons': 'buttons', 'overcurrent': 'overcurrent', 'song': 'song', 'ir_omni': 'infrared',
+    'diagnostics': 'diagnostics'}
+"""Topics that `LiveRobot.update` takes, and the parts that are made from them."""
+ON_THE_MAP = ('bumper', 'cliff', 'wheel drop')
+"""Kinds of events that are shown where they happened."""
+COME_AGAIN = ('pose', 'battery', 'wall', 'bump', 'cliff', 'drop', 'diagnostics')
 """Parts whose messages come again without a change."""
-FARTHEST = 1e6
-"""Metres from the origin beyond which a place is wrong and is not shown."""
 SILENT = 1.5
 """Seconds without odometry after which the driver counts as silent."""
 OLD, OLDEST = 3.5, 30.0
 """Seconds after which a value is old that should come again: at least, and at most, where three
 times its last interval lies between."""
-NO_NEWS = ('mode', 'safety', PARAMETERS)
-"""Statuses that repeat what topics say, or never change."""
-
 SMOOTHING = 20.0
 """Seconds over which the current is averaged."""
 LEAST_CURRENT = 0.02
@@ -58,12 +50,6 @@ MOST_EVENTS, MOST_LOGGED = 500, 200
 CHART_SECONDS, SAMPLE_PERIOD = 60.0, 0.2
 """Seconds that the charts show, and between two of their samples."""
 
-SLACK, FASTEST = 0.1, 1.0
-"""Metres and m/s; a longer step means that the odometry was reset."""
-TURN_SLACK, FASTEST_TURN = 0.3, 5.0
-"""The same for the heading: radians and rad/s."""
-
-
 def finite(value: float, digits: int) -> float | None:
     """Return a rounded number; None, which JSON can say, if it is infinite or no number."""
     return round(value, digits) if isfinite(value) else None
@@ -73,10 +59,14 @@ def _signal(strength: int) -> int | None:
     return None if strength == msg.Wall.SIGNAL_UNKNOWN else strength
 
 
-def flags(message: Any) -> dict[str, bool]:
-    """Return the booleans of a message."""
-    return {name: getattr(message, name)
-            for name, kind in message.get_fields_and_field_types().items() if kind == 'boolean'}
+def _pose(pose: FlatPose, odom: Any) -> Json:
+    """Return the part of a pose and its message."""
+    twist, known = odom.twist.twist, odom.pose.covariance
+    return {
+        'x': round(pose.x, 4), 'y': round(pose.y, 4), 'yaw': round(pose.yaw, 4),
+        'speed': finite(twist.linear.x, 3), 'turn': finite(twist.angular.z, 3),
+        # Variances of x and y and what they share, and of the heading.
+        'covariance': [finite(known[place], 9) for place in (0, 1, 7, 35)]}
 
 
 class Parts:
@@ -121,20 +111,6 @@ class BatteryTime:
         hours = (capacity - charge if self._current > 0 else charge) / abs(self._current)
         minutes = round(60 * max(hours, 0.0))
         return minutes if minutes <= LONGEST_TIME else None
-
-
-class FlatPose(NamedTuple):
-    """A pose on the floor: metres and radians."""
-
-    x: float
-    y: float
-    yaw: float
-
-    def follows(self, last: FlatPose, seconds: float) -> bool:
-        """Return whether a robot can come here from its last pose in this time."""
-        moved = hypot(self.x - last.x, self.y - last.y)
-        turned = abs(remainder(self.yaw - last.yaw, tau))
-        return moved <= SLACK + FASTEST * seconds and turned <= TURN_SLACK + FASTEST_TURN * seconds
 
 
 class NewestLog:
@@ -213,7 +189,9 @@ class Cursor(NamedTuple):
 class LiveRobot:
     """Takes the messages of a driver, and tells pages what is new."""
 
-    def __init__(self) -> None:
+    def __init__(self, namespace: str = '') -> None:
+        """Take those of the driver in this namespace."""
+        self.collector = Collector(namespace, MOST_EVENTS)
         self.parts = Parts()
         self.track = TrackLog()
         self.events = NewestLog(MOST_EVENTS)
@@ -221,100 +199,64 @@ class LiveRobot:
         self.log = NewestLog(MOST_LOGGED)
         """What happened: when, how bad ('', warn or error), and what."""
         self._battery = BatteryTime()
-        self._newest: dict[str, Any] = {}
-        self._touched: dict[str, bool] = {}
-        self._levels: dict[str, int] = {}
         self.resets = 0
         """How often the odometry has begun anew."""
         self._seen: dict[str, tuple[float, float]] = {}
         """When a part that comes again came last, and until when it is not old."""
-        self.pose: FlatPose | None = None
-        """The newest pose by the odometry."""
-        self._heard_at, self._moved_at, self._sampled_at = -inf, -inf, -inf
+        self._heard_at, self._sampled_at = -inf, -inf
 
     def happened(self, level: str, text: str, now: float) -> None:
         """Add an entry to what happened."""
         self.log.add([round(now, 2), level, text])
 
-    def _see(self, part: str, now: float) -> None:
-        last, _ = self._seen.get(part, (now, now))
-        self._seen[part] = now, now + min(OLDEST, max(OLD, 3 * (now - last)))
+    def update(self, name: str, message: Any, now: float) -> None:
+        """Take a message of a topic of the driver."""
+        collector, part = self.collector, PARTS[name]
+        before, pose = collector.newest.get(name), collector.pose
+        for begun in collector.take(name, now, message):
+            self.happened(begun.level, begun.sentence, now)
+            if begun.kind == 'odometry':
+                self.forget()
+            elif begun.kind in ON_THE_MAP and collector.pose is not None:
+                x, y, _ = collector.pose
+                self.events.add([begun.kind, round(x, 3), round(y, 3), begun.text])
+        newest = collector.newest.get(name)
+        if newest is None or newest is before:
+            return  # the diagnostics of another node
+        if part in COME_AGAIN:
+            last, _ = self._seen.get(part, (now, now))
+            self._seen[part] = now, now + min(OLDEST, max(OLD, 3 * (now - last)))
+        if name == 'odom':
+            self._heard_at = now
+            if collector.pose is None or collector.pose is pose:
+                return  # it is no place
+            self.track.add(collector.pose)
+            self.parts.put(part, _pose(collector.pose, message))
+        else:
+            self.parts.put(part, self._part(name, newest, now))
 
-    def update(self, message: Any, now: float) -> None:
-        """Take a message of the driver."""
-        part = PARTS[type(message)]
-        self._newest[part] = message
-        if part in REPEATED:
-            self._see(part, now)
-        match message:
-            case Odometry():
-                self._heard_at = now
-                self._move(message, now)
-            case BatteryState():
-                self.parts.put(part, {
+    def _part(self, name: str, message: Any, now: float) -> Json:
+        """Return the part that is made from a message."""
+        match name:
+            case 'battery_state':
+                return {
                     'part': finite(message.percentage, 3), 'voltage': finite(message.voltage, 2),
                     'current': finite(message.current, 3),
                     'minutes': self._battery.left(
                         message.charge, message.capacity, message.current, now),
-                    'temperature': finite(message.temperature, 0)})
-            case msg.Mode():
-                self._change_mode(message, now)
-            case msg.Charging():
-                self.parts.put(part, {'state': charging_name(message.state), **flags(message)})
-            case msg.IrOmni():
-                self.parts.put(part, {'code': message.character, 'name': message.name})
-            case _:
-                self.parts.put(part, flags(message))
-                if part in HAZARDS:
-                    self._remember(part, flags(message), now)
-
-    def _change_mode(self, message: msg.Mode, now: float) -> None:
-        actual, wanted = mode_name(message.mode, message.reason), mode_name(message.wanted)
-        if self.parts.put('mode', {
-                'actual': actual, 'wanted': wanted, 'reason': message.reason}):
-            why = f': {message.reason}' if message.reason else ''
-            self.happened('' if actual == wanted else 'warn', f'mode {actual}{why}', now)
-
-    def diagnose(self, statuses: Mapping[str, DiagnosticStatus], now: float) -> None:
-        """Take the statuses of the driver, by their names without the node's name."""
-        self._see('diagnostics', now)
-        part = {name: {
-            'level': int.from_bytes(status.level, 'little'), 'message': status.message,
-            'values': {each.key: each.value for each in status.values}}
-            for name, status in statuses.items() if name not in NO_NEWS}
-        for name, told in part.items():
-            level = told['level']
-            if level != self._levels.get(name, 0):
-                self.happened(('', 'warn')[level] if level < 2 else 'error',
-                              f'{name}: {told["message"]}', now)
-            self._levels[name] = level
-        self.parts.put('diagnostics', part)
-
-    def _move(self, odom: Odometry, now: float) -> None:
-        pose, twist, known = odom.pose.pose, odom.twist.twist, odom.pose.covariance
-        x, y, yaw = pose.position.x, pose.position.y, yaw_of(pose.orientation)
-        if not (hypot(x, y) <= FARTHEST and isfinite(yaw)):  # also when one is no number
-            return
-        last, self.pose = self.pose, FlatPose(x, y, yaw)
-        if last is not None and not self.pose.follows(last, now - self._moved_at):
-            self.forget()
-        self._moved_at = now
-        self.track.add(self.pose)
-        self.parts.put('pose', {
-            'x': round(x, 4), 'y': round(y, 4), 'yaw': round(yaw, 4),
-            'speed': finite(twist.linear.x, 3), 'turn': finite(twist.angular.z, 3),
-            # Variances of x and y and what they share, and of the heading.
-            'covariance': [finite(known[place], 9) for place in (0, 1, 7, 35)]})
-
-    def _remember(self, kind: str, sides: Mapping[str, bool], now: float) -> None:
-        """Add an event where something is touched that was free before."""
-        touched = ' and '.join(side for side, on in sides.items() if on).replace('_', ' ')
-        if touched and not self._touched.get(kind):
-            self.happened('warn', f'{HAZARDS[kind]} {touched}', now)
-            if self.pose is not None:
-                self.events.add([
-                    HAZARDS[kind], round(self.pose.x, 3), round(self.pose.y, 3), touched])
-        self._touched[kind] = bool(touched)
+                    'temperature': finite(message.temperature, 0)}
+            case 'mode':
+                return {'actual': mode_name(message.mode, message.reason),
+                        'wanted': mode_name(message.wanted), 'reason': message.reason}
+            case 'charging':
+                return {'state': charging_name(message.state), **flags(name, message)}
+            case 'ir_omni':
+                return {'code': message.character, 'name': message.name}
+            case 'diagnostics':
+                return {about: {'level': level_of(status), 'message': status.message,
+                                'values': values_of(status)}
+                        for about, status in message.items() if about not in REPEATED}
+        return flags(name, message)
 
     def sample(self, now: float) -> None:
         """Add a sample to the charts when it is due; say what is old, and who is silent."""
@@ -326,8 +268,9 @@ class LiveRobot:
         if silent or now - self._sampled_at < SAMPLE_PERIOD:
             return
         self._sampled_at = now
-        cliff, wall = self._newest.get('cliff'), self._newest.get('wall')
-        twist, battery = self._newest['pose'].twist.twist, self._newest.get('battery')
+        newest = self.collector.newest
+        cliff, wall, battery = (newest.get(name) for name in ('cliff', 'wall', 'battery_state'))
+        twist = newest['odom'].twist.twist
         self.samples.add([
             round(now, 2), finite(twist.linear.x, 3), finite(twist.angular.z, 3),
             None if battery is None else finite(battery.current, 3),

@@ -12,7 +12,8 @@ from math import cos, sin
 from pathlib import Path
 from typing import Any
 
-from .live_robot import FlatPose, LiveRobot
+from ...ros.collector import FlatPose
+from .live_robot import LiveRobot
 
 PERIOD = 0.1
 """Seconds between two questions."""
@@ -59,11 +60,11 @@ async def _ask_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, ro
     resets = -1
     while True:
         await asyncio.sleep(PERIOD)
-        if not asked() or robot.pose is None:
+        if not asked() or robot.collector.pose is None:
             continue
         truth = await ask('truth')
         true = FlatPose(truth['x'], truth['y'], truth['yaw'])
         if resets != robot.resets:
             resets = robot.resets
-            robot.parts.put('room_origin', room_origin(robot.pose, true))
+            robot.parts.put('room_origin', room_origin(robot.collector.pose, true))
         robot.parts.put('true_pose', [round(each, 4) for each in true])

@@ -15,6 +15,7 @@ from aiohttp import web, WSCloseCode, WSMsgType
 
 from ...driver.motion import Velocity
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
+from ...ros.driver_client import Reply
 from ...ros.topics import CMD_VEL
 from .access import (
     DriverSeat,
@@ -26,9 +27,9 @@ from .access import (
     TOP_TURN,
 )
 from .bag_recording import BagRecording
-from .live_robot import Cursor, LiveRobot
+from .live_robot import Cursor
 from .page_messages import CALLS, MessageError, PageMessage, read
-from .web_node import GoalSender, Reply, WebNode
+from .web_node import NewestGoal, WebNode
 
 HEARTBEAT = 5.0
 """Seconds between two pings; a page that does not answer is disconnected."""
@@ -71,12 +72,12 @@ class Viewer:
 class Viewers:
     """Serves all pages; everything here runs on the event loop's thread."""
 
-    def __init__(self, node: WebNode, robot: LiveRobot, recording: BagRecording) -> None:
-        self._node, self._robot, self._recording = node, robot, recording
+    def __init__(self, node: WebNode, recording: BagRecording) -> None:
+        self._node, self._robot, self._recording = node, node.robot, recording
         self._viewers: dict[int, Viewer] = {}
         self._tasks: set[asyncio.Task[object]] = set()
         self._seat = DriverSeat()
-        self._goals = {each: GoalSender(node, robot, each) for each in ('goal', 'tune')}
+        self._goals = {each: NewestGoal(node, each) for each in ('goal', 'tune')}
         """Those that move the robot, and tunes, which play beside them."""
         self._expiry: asyncio.TimerHandle | None = None
         self._last_number = 0
@@ -257,7 +258,7 @@ class Viewers:
         if message.type in CALLS:
             return self._node.call(message.type, message.request)
         kind = 'tune' if message.type == TUNE else 'goal'
-        return self._goals[kind].pursue(viewer.number, message)
+        return self._goals[kind].begin(viewer.number, message)
 
     async def _reset_odometry(self) -> Reply:
         reply = await self._node.call('reset_odometry')
@@ -274,7 +275,7 @@ class Viewers:
         async def answer() -> None:
             viewer.calls += 1
             try:
-                ok, text = await reply
+                ok, text, _ = await reply
             finally:
                 viewer.calls -= 1
             viewer.reply(to, ok, text)

@@ -1,21 +1,15 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""
-Answers browsers: the page's files, the question for the token, the live connection.
-
-`Connection` limits what a client can hold open before it has said who it is.
-"""
+"""Answers browsers: the page's files, the question for the token, the live connection."""
 
 from __future__ import annotations
 
 import asyncio
-from collections import Counter
 from collections.abc import Awaitable, Callable
 from importlib import resources
-import resource
+from logging import getLogger, LogRecord
 import socket
 import ssl
-from typing import Any
 
 from aiohttp import web
 from aiohttp.http import HttpProcessingError
@@ -25,7 +19,6 @@ from .access import Access
 from .bag_recording import BagRecording
 from .viewers import Viewers
 
-NAME = 'create_web'
 TYPES = {'.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript',
          '.svg': 'image/svg+xml', '.png': 'image/png', '.webmanifest': 'application/manifest+json'}
 HEADERS = {
@@ -37,18 +30,14 @@ HEADERS = {
     'X-Content-Type-Options': 'nosniff',
     'Referrer-Policy': 'no-referrer',
     'Cache-Control': 'no-store',
-    'Server': NAME,  # without a version
+    'Server': 'create_web',  # without a version
 }
 COOKIE_AGE = 30 * 24 * 3600
 """Seconds for which a browser keeps the token."""
 MOST_BODY = 1024
 """Bytes of a request's body; no request here needs one."""
-HEADER_TIME, IDLE_TIME = 5.0, 15.0
-"""Seconds in which a request must have come, and after which an idle connection is closed."""
-MOST_OF_ADDRESS = 64
-"""Connections of one address; eight pages of one computer, while they load, need fewer."""
-MOST_CONNECTIONS = min(256, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // 2)
-"""Connections of all addresses; ROS and the files need descriptors, too."""
+IDLE_TIME = 15.0
+"""Seconds after which an idle connection is closed."""
 WRONG_TOKEN = 0.5
 """Seconds that an answer to a wrong token takes; one after the other, whoever asks."""
 MOST_WRONG = 8
@@ -70,55 +59,9 @@ def files() -> dict[str, tuple[bytes, str]]:
     return {name: (body, TYPES['.' + name.rpartition('.')[2]]) for name, body in found.items()}
 
 
-class Connection(web.RequestHandler):
-    """A connection that must send a request in time; bad ones are answered and barely logged."""
-
-    def __init__(self, server: web.Server, opened: Counter[str],
-                 complain: Callable[[str], object]) -> None:
-        """Pass requests on to `server`; count the connections of each address in `opened`."""
-        loop = asyncio.get_running_loop()
-        super().__init__(server, loop=loop, keepalive_timeout=IDLE_TIME,
-                         access_log=None)  # type: ignore[arg-type]
-        self._opened, self._complain, self._address, self._end = opened, complain, '', b''
-        self._slow = loop.call_later(HEADER_TIME, self.force_close)
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Count it, and end it if there are too many."""
-        super().connection_made(transport)
-        self._address = transport.get_extra_info('peername')[0]
-        self._opened[self._address] += 1
-        if (self._opened[self._address] > MOST_OF_ADDRESS
-                or self._opened.total() > MOST_CONNECTIONS):
-            self.force_close()
-
-    def data_received(self, data: bytes) -> None:
-        """Stop the clock when the first header has come whole."""
-        self._end += data
-        if b'\r\n\r\n' in self._end:
-            self._slow.cancel()
-        self._end = self._end[-3:]
-        super().data_received(data)
-
-    def connection_lost(self, exc: BaseException | None) -> None:
-        """Count it no more."""
-        self._slow.cancel()
-        self._opened[self._address] -= 1
-        self._opened += Counter()  # drops those that are 0
-        super().connection_lost(exc)
-
-    def log_exception(self, *args: Any, **kw: Any) -> None:
-        """Log what is wrong here with its traceback, and what is wrong there in a line."""
-        error = kw.get('exc_info')
-        if isinstance(error, HttpProcessingError):
-            self._complain(f'refused bad HTTP from {self._address}: {type(error).__name__}')
-        else:
-            super().log_exception(*args, **kw)
-
-    def handle_error(self, *args: Any, **kw: Any) -> web.StreamResponse:
-        """Answer bad HTTP without a version."""
-        response = super().handle_error(*args, **kw)
-        response.headers['Server'] = NAME
-        return response
+def is_ours(record: LogRecord) -> bool:
+    """Return whether a log record is about this program, not about bad HTTP that somebody sent."""
+    return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
 
 
 class WebServer:
@@ -133,19 +76,15 @@ class WebServer:
         self._files = files()
         self._wrong, self._waiting = asyncio.Lock(), 0
 
-    async def serve(self, listener: socket.socket, tls: ssl.SSLContext | None,
-                    complain: Callable[[str], object]) -> web.AppRunner:
-        """Answer who connects to a socket; return what ends that. Bad HTTP is complained of."""
+    async def serve(self, listener: socket.socket, tls: ssl.SSLContext | None) -> web.AppRunner:
+        """Answer who connects to a socket; return what ends that."""
         application = web.Application(middlewares=[self._guard], client_max_size=MOST_BODY)
         application.add_routes([web.get('/', self._page), web.get('/live', self._live),
                                 web.get('/{name}', self._file)])
-        runner, opened = web.AppRunner(application), Counter[str]()
+        getLogger('aiohttp.server').addFilter(is_ours)
+        runner = web.AppRunner(application, access_log=None, keepalive_timeout=IDLE_TIME)
         await runner.setup()
-        assert runner.server is not None
-        server = runner.server
-        await asyncio.get_running_loop().create_server(
-            lambda: Connection(server, opened, complain), sock=listener, ssl=tls,
-            ssl_handshake_timeout=HEADER_TIME if tls else None)
+        await web.SockSite(runner, listener, ssl_context=tls).start()
         return runner
 
     async def _admits(self, token: str) -> bool:

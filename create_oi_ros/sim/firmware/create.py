@@ -15,7 +15,6 @@ bytes raise.
     sent = create.data_to_send()
 """
 
-from collections.abc import Sequence
 from random import Random
 
 from ... import oi
@@ -29,8 +28,8 @@ from . import sensing
 from .actuators import ActuatorState, DARK, Lights, STANDING
 from .demo_behaviors import Controls, DemoPlayer
 from .guesses import accepted_command, DEFAULT_GUESSES, Guesses
-from .songs import BEEP, DESCENDING, Speaker
-from .uart import BANNER, DEFAULT_BAUD, Power, SLOW_BAUD, Uart
+from .songs import Speaker
+from .uart import BANNER, Uart
 
 RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""
@@ -60,9 +59,11 @@ class Create:
         self._slots = 0
         self._epoch: float | None = None
         self._uart = Uart(overrun=guesses.overrun, buffer=guesses.transmit_buffer)
-        self._power = Power()
+        self.powered = True
+        """Whether the robot is switched on."""
+        self._boot_end = 0.0
         self._telemetry = sensing.Telemetry(body, checksum)
-        self._demos = DemoPlayer(Controls(body, self.actuators, Random(seed), self._sound))
+        self._demos = DemoPlayer(Controls(body, self.actuators, Random(seed)))
         self._reset()
 
     def _reset(self) -> None:
@@ -152,8 +153,12 @@ class Create:
         return self._wait is not None
 
     @property
+    def _booting(self) -> bool:
+        return self.time < self._boot_end - TOLERANCE
+
+    @property
     def _running(self) -> bool:
-        return self._power.on and not self._power.booting(self.time)
+        return self.powered and not self._booting
 
     def _execute_queue(self) -> None:
         """Obey what is left of the script, then what the host sent, up to a wait."""
@@ -206,15 +211,11 @@ class Create:
         self._slots += 1
         self.time = self._slots * self.period
         self._telemetry.refresh()
-        if self._power.on and self.body.battery_flat:
-            self._power.default_baud = DEFAULT_BAUD
+        if self.powered and self.body.battery_flat:
             self._switch_off()
-        if not self._power.on:
-            return
-        sensed = self.body.sense()
-        self._watch_baud(sensed)
         if not self._running:
             return
+        sensed = self.body.sense()
         self._check_safety(sensed)
         if self._wait is None:
             self._demos.watch_buttons(sensed, enabled=self.mode not in oi.ACTUATE)
@@ -256,44 +257,33 @@ class Create:
 
     # Power and buttons.
 
-    @property
-    def powered(self) -> bool:
-        return self._power.on
-
     def power(self, on: bool, now: float) -> None:
         """Switch the robot on or off; with an empty battery it stays off."""
         self.poll(now)
-        if on and not self._power.on and not self.body.battery_flat:
+        if on and not self.powered and not self.body.battery_flat:
             self._boot()
-        elif not on and self._power.on:
+        elif not on and self.powered:
             self._switch_off()
 
     def _switch_off(self) -> None:
-        self._power.on = False
+        self.powered = False
         self._reset()
         self.body.power(False)
 
     def lose_battery(self, now: float) -> None:
         """Take the battery out and put it back: the robot restarts if it was on."""
         self.poll(now)
-        self._power.default_baud = DEFAULT_BAUD
-        if self._power.on:
+        if self.powered:
             self._boot()
 
     def _boot(self) -> None:
         self._reset()
         self.body.power(True)
-        self._power.switch_on(self.time, self.guesses.boot_seconds, self.body.sense().play)
-        self._uart.reset(self._power.default_baud, self.time)
+        self.powered = True
+        self._boot_end = self.time + self.guesses.boot_seconds
+        self._uart.reset(self.time)
         if self.guesses.banner:
             self._uart.reply(BANNER, self.time)
-
-    def _watch_baud(self, sensed: Sensed) -> None:
-        if self._power.update_play(sensed.play, self.time):
-            self._uart.baud = SLOW_BAUD
-            self._sound(DESCENDING)
-        if self._power.update_pin(sensed.device_detect, self.time):
-            self._uart.baud = SLOW_BAUD
 
     # Modes and demos.
 
@@ -313,14 +303,11 @@ class Create:
     def demo(self) -> oi.DemoNumber | None:
         return self._demos.demo
 
-    def _sound(self, notes: Sequence[oi.Note]) -> None:
-        self.speaker.sound(notes, self.time)
-
     @property
     def lights(self) -> Lights:
         """The LEDs as they are lit: by the host in Safe and Full, else by the robot (guess)."""
-        if not self._power.on or self.mode in oi.ACTUATE:
-            return self.actuators.lights if self._power.on else DARK
+        if not self.powered or self.mode in oi.ACTUATE:
+            return self.actuators.lights if self.powered else DARK
         sensed = self.body.sense()
         level = min(1.0, sensed.charge / sensed.capacity) if sensed.capacity else 0.0
         playing = oi.LedBits.PLAY if self.demo is not None else oi.LedBits(0)
@@ -329,7 +316,7 @@ class Create:
     @property
     def outputs(self) -> oi.OutputBits:
         """The digital outputs; all high while the boot loader runs (manual: Digital Outputs)."""
-        if self._power.on and self._power.booting(self.time):
+        if self.powered and self._booting:
             return oi.OutputBits.OUTPUT_0 | oi.OutputBits.OUTPUT_1 | oi.OutputBits.OUTPUT_2
         return self.actuators.outputs
 
@@ -349,7 +336,7 @@ class Create:
             return
         if accepted.enters is not None:
             if isinstance(accepted, oi.Start) and self.mode is Mode.OFF:
-                self._sound(BEEP)
+                self.speaker.beep(self.time)
             self._enter(accepted.enters)
         if accepted.section == ACTUATORS:
             self.actuators.execute(accepted)
@@ -366,7 +353,6 @@ class Create:
     def _execute_other(self, command: oi.Command) -> None:
         match command:
             case oi.Baud(code=code):
-                self._power.default_baud = DEFAULT_BAUD
                 self._uart.change(oi.BaudCode(code).rate, self.time)
                 self._queue.clear()
             case oi.Demo(demo=oi.DemoNumber.ABORT):

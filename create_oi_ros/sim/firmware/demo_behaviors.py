@@ -1,18 +1,18 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The ten demos as recognisable behaviours of a few lines each; not iRobot's own programs.
+The demos that drive, as recognisable behaviours of a few lines each; not iRobot's own programs.
 
 A demo is a generator. It reads `Controls`, sets the wheels and yields until the next slot. It ends
 when it returns, or is aborted when it is dropped. Speeds are in mm/s, distances in mm, angles in
 degrees counter-clockwise.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 import math
 from random import Random
 
-from ...oi import DemoNumber, Infrared, Note
+from ...oi import DemoNumber, Infrared
 from ...oi.codes import BEAMS, GREEN_BUOY, RED_BUOY
 from ...oi.commands import WheelSpeeds
 from ...robot import MM_PER_M, SLOT
@@ -27,27 +27,19 @@ SEAM = RED_BUOY | GREEN_BUOY
 """Both beams: straight ahead of a Home Base. Red is on the right of a robot that comes in."""
 CRUISE, TURNING, CREEP = 140.0, 120.0, 100.0
 """Speeds: slow enough to stop between seeing an edge and dropping a wheel over it."""
-PACHELBEL = (78, 76, 74, 73, 71, 69, 71, 73, 74, 73, 71, 69, 67, 66, 67, 64)
-"""The Canon's first violin, its first sixteen notes (MIDI numbers)."""
-G_MAJOR, D_MAJOR_7, C_MAJOR = (55, 59, 62, 67), (62, 66, 69, 73), (60, 64, 67, 72)
-"""Banjo's chords, one note for each cliff sensor from left to right."""
 SEARCH_SLOTS = 400
 """Slots without a beam after which the search for a Home Base ends."""
 SEAM_TOLERANCE = 4.0
 """Degrees off the seam that are not corrected."""
-NOTE_LENGTH = 20
-"""64ths of a second."""
 
 
 class Controls:
     """The sensors, wheels and speaker as a demo uses them."""
 
-    def __init__(self, body: Body, actuators: ActuatorState, random: Random,
-                 sound: Callable[[Sequence[Note]], None]) -> None:
+    def __init__(self, body: Body, actuators: ActuatorState, random: Random) -> None:
         self._body, self._actuators = body, actuators
         self._separation = body.config.encoder_separation * MM_PER_M
         self.random = random
-        self.sound = sound
 
     @property
     def sense(self) -> Sensed:
@@ -86,12 +78,6 @@ class Controls:
 
 
 # Parts of demos.
-
-def wait(seconds: float) -> Demo:
-    """Keep the present wheel speeds."""
-    for _ in range(round(seconds / SLOT)):
-        yield
-
 
 def roll(controls: Controls, distance: float, speed: float = CRUISE) -> Demo:
     """Drive straight; a negative distance is backward, forward ends where something blocks."""
@@ -188,9 +174,9 @@ def dock(controls: Controls) -> Demo:
     """
     lost, left_at = 0, controls.angle
     while lost < SEARCH_SLOTS and not controls.sense.home_base:
-        beams = controls.beams
+        beams, sense = controls.beams, controls.sense
         lost = 0 if beams else lost + 1
-        if _bumped(controls):
+        if sense.bump_left or sense.bump_right:
             yield from roll(controls, -200, CREEP)
             if beams != SEAM:
                 yield from back_off(controls, 60, 170)
@@ -233,106 +219,21 @@ def figure_eight(controls: Controls) -> Demo:
                 yield
 
 
-def wimp(controls: Controls) -> Demo:
-    """Drive forward when pushed from behind; turn away from an obstacle."""
+def stand(controls: Controls) -> Demo:
+    """Stand until the demo is ended: what this demo does is not simulated."""
     while True:
-        controls.drive(0, 0)
-        yield from wait(0.5)
-        start = controls.distance
-        while controls.distance - start < 5:
-            yield
-        yield from roll(controls, 500)
-        if controls.blocked:
-            yield from roll(controls, -100)
-            yield from turn(controls, controls.random.choice((-1, 1)) * 150)
-            yield from roll(controls, 300)
-
-
-def home(controls: Controls) -> Demo:
-    """Spin to find a virtual wall, drive towards it, stop at the first obstacle."""
-    yield from _seek(controls)
-    controls.drive(0, 0)
-
-
-def tag(controls: Controls) -> Demo:
-    """Do as in Home, then turn around and look for the next virtual wall."""
-    while True:
-        yield from _seek(controls)
-        yield from roll(controls, -100)
-        yield from turn(controls, 180)
-        # The wall just tagged is still seen here: leave it, then look for another.
-        for wanted in (True, False):
-            start = controls.distance
-            controls.drive(CRUISE, CRUISE)
-            while (controls.sense.virtual_wall is wanted and controls.distance - start < 3000
-                   and not _stopped(controls)):
-                yield
-
-
-def _stopped(controls: Controls) -> bool:
-    return _bumped(controls) or cliff(controls.sense)
-
-
-def _bumped(controls: Controls) -> bool:
-    return controls.sense.bump_left or controls.sense.bump_right
-
-
-def _seek(controls: Controls) -> Demo:
-    """Spin until a virtual wall is seen, drive while it is; end at a bump or a cliff."""
-    while not _stopped(controls):
-        if controls.sense.virtual_wall:
-            controls.drive(CRUISE, CRUISE)
-        else:
-            controls.drive(CREEP, -CREEP)
         yield
 
 
-def pachelbel(controls: Controls) -> Demo:
-    """Play the next note of the Canon when a cliff sensor starts to see a cliff."""
-    place = 0
-    for fresh in _fresh_cliffs(controls):
-        if any(fresh):
-            controls.sound((Note(PACHELBEL[place], NOTE_LENGTH),))
-            place = (place + 1) % len(PACHELBEL)
-        yield
-
-
-def banjo(controls: Controls) -> Demo:
-    """Play a note when a cliff sensor starts to see a cliff; the bumper sets the chord."""
-    for fresh in _fresh_cliffs(controls):
-        sense = controls.sense
-        chord = (C_MAJOR if sense.bump_left and sense.bump_right
-                 else D_MAJOR_7 if sense.bump_left or sense.bump_right else G_MAJOR)
-        notes = [Note(number, NOTE_LENGTH) for number, new in zip(chord, fresh, strict=True)
-                 if new]
-        if notes:
-            controls.sound(notes)
-        yield
-
-
-def _fresh_cliffs(controls: Controls) -> Iterator[tuple[bool, ...]]:
-    """Yield in each slot which of the four sensors sees a cliff and did not before."""
-    before = (False,) * 4
-    while True:
-        sense = controls.sense
-        now = (sense.cliff_left, sense.cliff_front_left,
-               sense.cliff_front_right, sense.cliff_right)
-        yield tuple(new and not old for new, old in zip(now, before, strict=True))
-        before = now
-
-
-DEMOS: dict[DemoNumber, Callable[[Controls], Demo]] = {
+DRIVING: dict[DemoNumber, Callable[[Controls], Demo]] = {
     DemoNumber.COVER: cover,
     DemoNumber.COVER_AND_DOCK: cover_and_dock,
     DemoNumber.SPOT_COVER: spot_cover,
     DemoNumber.MOUSE: mouse,
     DemoNumber.DRIVE_FIGURE_EIGHT: figure_eight,
-    DemoNumber.WIMP: wimp,
-    DemoNumber.HOME: home,
-    DemoNumber.TAG: tag,
-    DemoNumber.PACHELBEL: pachelbel,
-    DemoNumber.BANJO: banjo,
 }
+"""The demos that drive; in the others the robot stands."""
+NUMBERS: list[DemoNumber] = [demo for demo in DemoNumber if demo is not DemoNumber.ABORT]
 
 
 ENDED = object()
@@ -360,7 +261,7 @@ class DemoPlayer:
         """Start a demo in place of the one that runs."""
         self.stop()
         self.demo = demo
-        self._behaviour = DEMOS[demo](self._controls)
+        self._behaviour = DRIVING.get(demo, stand)(self._controls)
 
     def stop(self) -> None:
         """End the demo that runs, if any, and stop the wheels."""
@@ -378,8 +279,7 @@ class DemoPlayer:
         if not enabled:
             return
         if sensed.advance and not before[1]:
-            numbers = list(DEMOS)
-            self._selected = numbers[(numbers.index(self._selected) + 1) % len(numbers)]
+            self._selected = NUMBERS[(NUMBERS.index(self._selected) + 1) % len(NUMBERS)]
         if sensed.play and not before[0]:
             if self.demo is None:
                 self.start(self._selected)

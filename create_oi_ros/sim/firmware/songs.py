@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The speaker: the host's sixteen songs, and the robot's own beeps and tunes."""
+"""The speaker: the host's sixteen songs, and the robot's own beep."""
 
 from collections.abc import Sequence
 
@@ -9,12 +9,10 @@ from ..numbers import TOLERANCE
 
 BEEP = (Note(84, 10),)
 """Sound of Start if the interface was off (manual: Start, 'beeps once'; the pitch is a guess)."""
-DESCENDING = tuple(Note(number, 12) for number in (84, 79, 76, 72))
-"""Tune of a change to 19200 baud (manual: Serial Port Settings, 'descending pitches')."""
 
 
 class Speaker:
-    """Plays one song or tune at a time. Times are seconds on the robot's clock."""
+    """Plays one song or beep at a time. Times are seconds on the robot's clock."""
 
     __slots__ = ('songs', 'number', '_notes', '_begun', '_end', '_is_song')
 
@@ -35,10 +33,10 @@ class Speaker:
                 self.number = number
                 self._begin(self.songs[number], time, is_song=True)
 
-    def sound(self, notes: Sequence[Note], time: float) -> None:
-        """Play a sound of the robot itself; a song that plays is not interrupted."""
+    def beep(self, time: float) -> None:
+        """Beep as the robot itself does; a song that plays is not interrupted."""
         if not self.song_playing(time):
-            self._begin(notes, time, is_song=False)
+            self._begin(BEEP, time, is_song=False)
 
     def _begin(self, notes: Sequence[Note], time: float, *, is_song: bool) -> None:
         self._notes, self._is_song = notes, is_song

@@ -10,11 +10,10 @@ asks for too much is corrupted.
 
 from ...oi import BITS_PER_BYTE
 from ...oi.codes import FAST_BAUD, FAST_SPACING, START_BAUDS
-from ...robot import SLOT
-from ..numbers import TOLERANCE
 
-DEFAULT_BAUD, SLOW_BAUD = START_BAUDS
-"""Bits per second at power-on, and after the two ways of the manual's Serial Port Settings."""
+DEFAULT_BAUD = START_BAUDS[0]
+"""Bits per second at power-on (manual: Serial Port Settings; the Play button and the baud rate
+pin, its two ways to 19200, are not simulated)."""
 BAUD_PAUSE = 0.1
 """Seconds after Baud in which nothing is received or sent (manual: Baud)."""
 
@@ -113,50 +112,10 @@ class Uart:
         self._out.clear()
         return data
 
-    def reset(self, baud: int, time: float) -> None:
+    def reset(self, time: float) -> None:
         """Start again at power-on."""
-        self.baud = baud
+        self.baud = DEFAULT_BAUD
         self._wire_free = self._paused_until = time
-
-
-class BaudPin:
-    """Watches the baud rate change pin for three low pulses (manual: Serial Port Settings)."""
-
-    PULSES = 3
-    SHORTEST, LONGEST = 0.05, 0.5
-    """Limits of a pulse, seconds."""
-    AFTER_POWER_ON = 2.0
-    """Seconds in which pulses do not count."""
-    GAP = 2.0
-    """Seconds high after which the count starts again (guess)."""
-    TOLERATED = SLOT - TOLERANCE
-    """Error of a measured pulse, seconds: the pin is read once in a slot."""
-
-    __slots__ = ('_count', '_high', '_since', '_ignored_until')
-
-    def __init__(self, power_on: float) -> None:
-        self._count = 0
-        self._high = True
-        self._since = power_on
-        self._ignored_until = power_on + self.AFTER_POWER_ON
-
-    def update(self, high: bool, time: float) -> bool:
-        """Take the level of the pin; return True when the third pulse has just ended."""
-        if high == self._high:
-            return False
-        lasted = time - self._since
-        self._high, self._since = high, time
-        if not high:
-            if lasted > self.GAP:
-                self._count = 0
-            return False
-        right = self.SHORTEST - self.TOLERATED <= lasted <= self.LONGEST + self.TOLERATED
-        begun = time - lasted >= self._ignored_until
-        self._count = self._count + 1 if right and begun else 0
-        if self._count < self.PULSES:
-            return False
-        self._count = 0
-        return True
 
 
 BANNER = (
@@ -167,50 +126,3 @@ BANNER = (
     b'battery-current-zero 258\r\n'
     b'assembly 0x02\r\n')
 """Text sent at power-on (reported: about 140 bytes like these; the words are a guess)."""
-PLAY_HELD = 4.0
-"""Seconds (manual: Serial Port Settings, Method 1)."""
-
-
-class Power:
-    """Whether the robot is on, and its baud rate at power-on. Times on the robot's clock."""
-
-    __slots__ = ('on', 'default_baud', '_boot_end', '_play_since', '_pin')
-
-    def __init__(self) -> None:
-        """Start switched on, with the boot loader finished."""
-        self.on = True
-        self.default_baud = DEFAULT_BAUD
-        self._boot_end = 0.0
-        self._play_since: float | None = None
-        self._pin = BaudPin(-BaudPin.AFTER_POWER_ON)
-
-    def switch_on(self, time: float, boot_seconds: float, play: bool) -> None:
-        """Switch on and start the boot loader; `play`: the Play button is held."""
-        self.on = True
-        self._boot_end = time + boot_seconds
-        self._play_since = time if play else None
-        self._pin = BaudPin(time)
-
-    def booting(self, time: float) -> bool:
-        return time < self._boot_end - TOLERANCE
-
-    def update_play(self, play: bool, time: float) -> bool:
-        """Take the Play button; return True once, after it was held for 4 s from power-on."""
-        if not play:
-            self._play_since = None
-        if self._play_since is None or time < self._play_since + PLAY_HELD - TOLERANCE:
-            return False
-        self._play_since = None
-        return True
-
-    def update_pin(self, high: bool, time: float) -> bool:
-        """
-        Take the level of the baud rate change pin; return True when it has asked for 19200.
-
-        The rate at power-on changes too: 19200 stays through the power button, until the battery
-        fails or the Baud command sets another rate (manual: Method 2).
-        """
-        if not self._pin.update(high, time):
-            return False
-        self.default_baud = SLOW_BAUD
-        return True

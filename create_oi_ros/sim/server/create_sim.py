@@ -23,7 +23,7 @@ from ..body.config import BodyConfig
 from ..firmware import Create
 from ..firmware.guesses import Guesses, parse_guesses
 from ..world import shipped_names, World
-from ..world.floor_plan import map_of, sdf_of
+from ..world.floor_plan import map_of
 from ..world_files import read_world
 from .control import ControlPort
 from .faults import Fault, Faults
@@ -34,8 +34,6 @@ from .serve import Server
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
 """Options that work with --replay."""
 Value = TypeVar('Value')
-SUFFIXES = ('.yaml', '.sdf')
-"""Of a file for --export."""
 
 
 def _address(text: str) -> tuple[str, int]:
@@ -56,9 +54,8 @@ def _told(read: Callable[[str], Value]) -> Callable[[str], Value]:
 
 
 def _export(text: str) -> Path:
-    if Path(text).suffix not in SUFFIXES:
-        raise argparse.ArgumentTypeError(
-            f'{text!r}; allowed: a file that ends with .yaml (a map for Nav2) or .sdf (Gazebo)')
+    if Path(text).suffix != '.yaml':
+        raise argparse.ArgumentTypeError(f'{text!r}; allowed: a file that ends with .yaml')
     return Path(text)
 
 
@@ -102,9 +99,9 @@ def _arguments() -> argparse.ArgumentParser:
     add('--say', metavar='LINE', help='send a line, such as "bump left", to the robot that has '
         'the socket of --control, print its answer, and end; "help" lists the lines')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
-    add('--export', type=_export, metavar='FILE.yaml|.sdf',
-        help='write the world as a map for Nav2 (YAML and PGM, 2 cm a cell) or as walls for '
-        'Gazebo, and end; nothing is simulated')
+    add('--export', type=_export, metavar='FILE.yaml',
+        help='write the world as a map for Nav2 (YAML and PGM, 2 cm a cell), and end; nothing '
+        'is simulated')
     add('--linger', type=_number(0, 60), default=0.0, metavar='SECONDS',
         help='at Ctrl-C, serve so long or until the host has closed the port '
         '(default: %(default)s); a second Ctrl-C ends at once')
@@ -180,23 +177,16 @@ def say(text: str, path: Path) -> str:
 
 def export(world: World, path: Path) -> str:
     """Write a world, and say what was written; OSError names a file that cannot be."""
-    if path.suffix == '.sdf':
-        _write({path: sdf_of(world).encode()})
-        return f'{path}: walls for Gazebo'
     drawn, image = map_of(world), path.with_suffix('.pgm')
-    _write({path: drawn.yaml(image.name, world.name).encode(), image: drawn.pgm()})
-    return f'{path} and {image}: a map for Nav2, {drawn.width} by {drawn.height} cells'
-
-
-def _write(files: dict[Path, bytes]) -> None:
-    """Write new files; where one exists, none is written."""
-    for path in files:
-        if path.exists():
+    files = {path: drawn.yaml(image.name, world.name).encode(), image: drawn.pgm()}
+    for each in files:
+        if each.exists():
             raise FileExistsError(
-                errno.EEXIST, 'exists already; remove it, or give another name', str(path))
-    for path, content in files.items():
-        with naming(path):
-            path.write_bytes(content)
+                errno.EEXIST, 'exists already; remove it, or give another name', str(each))
+    for each, content in files.items():
+        with naming(each):
+            each.write_bytes(content)
+    return f'{path} and {image}: a map for Nav2, {drawn.width} by {drawn.height} cells'
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,16 +1,15 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-A world for other programs: a map for Nav2, walls for Gazebo. Pure: text and bytes.
+A world for other programs: a map for Nav2, outlines for a drawing. Pure: text and numbers.
 
-Beams have no place in either: virtual walls and the signals of Home Bases are left out. A cliff is
-occupied in the map, since no robot may go there, and missing in Gazebo, whose floor has no holes.
+Beams have no place in a map: virtual walls and the signals of Home Bases are left out. A cliff is
+occupied, since no robot may go there.
 """
 
 from collections.abc import Iterator
-from math import atan2, ceil, floor, hypot
+from math import ceil, floor, hypot
 from typing import NamedTuple
-from xml.sax.saxutils import quoteattr
 
 from .geometry import Disc, LineSegment, Obstacle, Point, Polygon
 from .world import Pose, World
@@ -22,8 +21,6 @@ MARGIN = 0.5
 EMPTY = 3.0
 OCCUPIED, UNKNOWN, FREE = 0, 205, 254
 """Grey values, as Nav2 reads them with the thresholds below."""
-THICKNESS, HEIGHT = 0.02, 0.3
-"""Metres of a wall in Gazebo."""
 
 
 class Map(NamedTuple):
@@ -104,52 +101,6 @@ def _corners(obstacle: Obstacle) -> list[Point]:
         return list(obstacle.ends)
     return [(obstacle.x - obstacle.radius, obstacle.y - obstacle.radius),
             (obstacle.x + obstacle.radius, obstacle.y + obstacle.radius)]
-
-
-def sdf_of(world: World) -> str:
-    """Return a world for Gazebo: a floor, and a box or a cylinder for each obstacle."""
-    links = '\n'.join(_link(number, obstacle) for number, obstacle in enumerate(world.obstacles))
-    return f"""<?xml version="1.0"?>
-<sdf version="1.8">
-  <world name={quoteattr(world.name)}>
-    <light type="directional" name="sun">
-      <pose>0 0 10 0 0 0</pose>
-      <direction>-0.5 0.1 -0.9</direction>
-    </light>
-    <model name="floor">
-      <static>true</static>
-      <link name="link">
-        <collision name="collision">
-          <geometry><plane><normal>0 0 1</normal></plane></geometry>
-        </collision>
-        <visual name="visual">
-          <geometry><plane><normal>0 0 1</normal><size>30 30</size></plane></geometry>
-        </visual>
-      </link>
-    </model>
-    <model name="obstacles">
-      <static>true</static>
-{links or '      <link name="nothing"/>'}
-    </model>
-  </world>
-</sdf>
-"""
-
-
-def _link(number: int, obstacle: Obstacle) -> str:
-    if isinstance(obstacle, Disc):
-        x, y, yaw = obstacle.x, obstacle.y, '0'
-        shape = (f'<cylinder><radius>{obstacle.radius:g}</radius><length>{HEIGHT}</length>'
-                 '</cylinder>')
-    else:
-        (ax, ay), (bx, by) = obstacle.ends
-        x, y, yaw = (ax + bx) / 2, (ay + by) / 2, f'{atan2(obstacle.uy, obstacle.ux):.6f}'
-        shape = f'<box><size>{obstacle.length:g} {THICKNESS} {HEIGHT}</size></box>'
-    return (f'      <link name="obstacle_{number}">\n'
-            f'        <pose>{x:g} {y:g} {HEIGHT / 2} 0 0 {yaw}</pose>\n'
-            f'        <collision name="collision"><geometry>{shape}</geometry></collision>\n'
-            f'        <visual name="visual"><geometry>{shape}</geometry></visual>\n'
-            '      </link>')
 
 
 Numbers = list[float]
