@@ -204,7 +204,9 @@ def bad_values(declared) -> list:
     if isinstance(default, tuple):
         return ['', 1, nan, [1, 2], 'door', ('a', 'a'), ('a', ''), ('a', default[2])]
     if isinstance(default, float):
-        return [nan, inf, -inf, facts['low'] - JUST, facts['high'] + JUST, 'fast', True, [default]]
+        low, high = (facts[end] for end in ('low', 'high'))
+        return [nan, inf, -inf, low - JUST * (1 + abs(low)), high + JUST * (1 + abs(high)), 'fast',
+                True, [default]]
     if isinstance(default, int):
         return [-1, 1, 57601, 2 ** 63 - 1, -2 ** 63, 57600.0, '57600', [57600]]
     wrong = [*([''] if default else []), 1, True, nan, ['a']]

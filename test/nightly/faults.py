@@ -335,8 +335,8 @@ messages.bumper = lambda message, readings: (
     fail() if readings.bumps_and_wheel_drops else bumper(message, readings))
 from create_oi_ros.ros.velocity import VelocityInput
 take = VelocityInput._take
-VelocityInput._take = lambda commands, message, info: (
-    fail() if message.linear.z else take(commands, message, info))
+VelocityInput._take = lambda commands, message: (
+    fail() if message.linear.z else take(commands, message))
 raise SystemExit(programs.create_node())
 """
 """A node whose bumper message and velocity callback can raise an exception."""

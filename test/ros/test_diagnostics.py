@@ -98,10 +98,10 @@ def test_the_battery_state_of_a_docked_robot_is_told_by_its_current(
         loop, charge, current, status):
     on_dock(loop, charge, current)
     loop.run(1.5)
-    values = messages.battery_state(loop.driver.health(loop.now).readings)
-    assert values['power_supply_status'] == getattr(
-        BatteryState, f'POWER_SUPPLY_STATUS_{status}')
-    assert values['percentage'] == pytest.approx(charge / 2700)
+    battery = BatteryState()
+    messages.battery_state(battery, loop.driver.health(loop.now).readings)
+    assert battery.power_supply_status == getattr(BatteryState, f'POWER_SUPPLY_STATUS_{status}')
+    assert battery.percentage == pytest.approx(charge / 2700)
 
 
 @pytest.mark.parametrize(('happen', 'name', 'level', 'says'), [
