@@ -42,7 +42,7 @@ PATIENCE = 3.0
 HARMLESS = (oi.Stream, oi.PauseResumeStream)
 """What the driver may say though a request was refused."""
 STOPPED = oi.DriveDirect(right=0, left=0)
-JUST = 1e-3
+JUST = 1e-2
 """By how much a parameter must be beyond its range: ROS takes less for rounding."""
 AWAY = {'reset_odometry', 'reset_pose'}
 """Services that do their work though no robot answers."""
