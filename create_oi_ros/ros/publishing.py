@@ -220,12 +220,6 @@ class FramePublisher:
             self._imu = FrameTopic(node, topics.IMU, imu, imu.header.stamp, messages.imu)
         self._sensors = [SensorFrameTopic(node, topic, parameters)
                          for topic in topics.SENSOR_TOPICS]
-        self._watched = Readings.numbers(
-            *{name for each in self._sensors for name in each.topic.watch})
-        self._last: tuple[int, ...] = ()
-        """All watched readings in the newest frame."""
-        self._complete = False
-        """Whether all sensors are complete."""
         # One pace for all topics of a period; a StateTopic is published on change only.
         periods = dict.fromkeys(
             each.topic.period for each in self._sensors if each.topic.period != inf)
@@ -253,7 +247,8 @@ class FramePublisher:
         if stamp is None:
             return
         # A change, such as a bump, must not wait; what is only due again can.
-        changed = self._publish_changes(stamp, moved.readings)
+        changed = [sensor for sensor in self._sensors
+                   if sensor.publish_change(stamp, moved.readings)]
         if stamp != before:
             rate = parameters.odom_rate
             if not rate or self._motion_pace.due(moved.stamp, 1 / rate):
@@ -272,16 +267,6 @@ class FramePublisher:
         if moved.stamp >= self._check_at:  # last, since it takes a while
             self._check_at = moved.stamp + CHECK_INTERVAL
             self._check()
-
-    def _publish_changes(self, stamp: int, readings: Readings) -> list[SensorFrameTopic]:
-        """Publish the sensors that have changed, and return them."""
-        if self._complete:
-            before, self._last = self._last, self._watched(readings)
-            if self._last == before:
-                return []  # as in most frames
-        changed = [sensor for sensor in self._sensors if sensor.publish_change(stamp, readings)]
-        self._complete = all(sensor.complete for sensor in self._sensors)
-        return changed
 
     def _check(self) -> None:
         for topic in self._checked:
