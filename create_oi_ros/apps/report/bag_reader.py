@@ -10,89 +10,25 @@ message is not decoded.
 from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
 
-from ...ros.bags import definitions
-from ...ros.collector import Collector, Span
-from ...ros.messages import yaw_of
-from ...ros.topics import CMD_VEL, PUBLISHED, type_name
+from ...ros.bags import definitions, full_name
+from ...ros.collector import Collector
+from ...ros.topics import CMD_VEL, PUBLISHED
+from ...ros.velocity import COMMANDS
 from .bag_files import BagError, BagFiles, DamageError, reading, Topic
 from .recording import Recording, TOPICS
 
-GAP, SILENCE = 0.5, 2.0
-"""Seconds without odometry, and without any message, that count as a gap."""
 BODY = slice(12, None)
 """Part of a serialized message after the stamp of its header."""
 OURS, DIAGNOSTICS = 'create_oi_msgs/msg/', 'diagnostic_msgs/msg/DiagnosticArray'
-TYPES = {type_name(topic.type).replace('/', '/msg/'): topic.name for topic in PUBLISHED
-         if topic.name in TOPICS} | dict.fromkeys(
-             ('geometry_msgs/msg/Twist', 'geometry_msgs/msg/TwistStamped'), CMD_VEL)
+TYPES = {full_name(topic.type): topic.name for topic in PUBLISHED
+         if topic.name in TOPICS} | dict.fromkeys(COMMANDS, CMD_VEL)
 """The name of the topic that has a type."""
 Progress = Callable[[float], None]
 """Called with the part that is done, 0 to 1."""
-
-
-class RecordingBuilder:
-    """Builds a recording from messages."""
-
-    def __init__(self, recording: Recording) -> None:
-        self.recording = recording
-        self._last_message: float | None = None
-        self._last_odom: float | None = None
-
-    def add(self, topic: str, time: float, message: Any) -> None:
-        """Add a message of one of TOPICS."""
-        recording, events = self.recording, self.recording.events
-        before = events.newest.get(topic)
-        events.take(topic, time, message)
-        if topic in events.newest and events.newest[topic] is before:
-            return  # the diagnostics of another node
-        match topic:
-            case 'odom':
-                if self._last_odom is not None and time - self._last_odom > GAP:
-                    self._gap(self._last_odom, time, 'no odometry: the robot was not heard')
-                self._last_odom = time
-                position, twist = message.pose.pose.position, message.twist.twist
-                recording.odom.add(time, position.x, position.y, yaw_of(
-                    message.pose.pose.orientation), twist.linear.x, twist.angular.z)
-            case 'cmd_vel':
-                twist = getattr(message, 'twist', message)  # of a TwistStamped
-                recording.commands.add(time, twist.linear.x, twist.angular.z)
-            case 'battery_state':
-                recording.battery.add(
-                    time, message.voltage, message.current, 100 * message.percentage)
-            case 'diagnostics' if link := events.link:
-                recording.link.add(time, *(_number(link.get(key)) for key in (
-                    'frames per second', 'damaged frames', 'garbage bytes')))
-
-    def note_time(self, time: float) -> None:
-        """Note the time of a message; a long silence before it is a gap."""
-        if self._last_message is not None and time - self._last_message > SILENCE:
-            self._gap(self._last_message, time, 'nothing was recorded')
-            self._last_odom = None
-        self._last_message = time
-
-    def finish(self) -> None:
-        """End what lasts at the end of the bag."""
-        recording = self.recording
-        recording.events.finish(recording.seconds)
-        if self._last_odom is not None and recording.seconds - self._last_odom > 2 * GAP:
-            self._gap(self._last_odom, recording.seconds, 'no odometry up to the end')
-
-    def _gap(self, start: float, end: float, text: str) -> None:
-        gap = Span('gap', start, text)
-        gap.end = end
-        self.recording.gaps.append(gap)
-
-
-def _number(text: str | None) -> float:
-    try:
-        return float(text or 'nan')
-    except ValueError:
-        return float('nan')
 
 
 def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
@@ -106,12 +42,11 @@ def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
             undefined=sorted(topic.name for topic in files.counts if topic.encoding == 'unknown'),
             events=Collector(robot))
         recording.heard = set(map(base_name, topics))
-        builder = RecordingBuilder(recording)
         try:
-            _read_messages(files, topics, builder, progress)
+            _read_messages(files, topics, recording, progress)
         except DamageError as error:
             files.faults.append(str(error))
-        builder.finish()
+        recording.finish()
     recording.faults = files.faults
     if not recording.odom and not any(map(len, recording.events.spans.values())):
         raise BagError(f'{path} is damaged: {"; ".join(files.faults)}' if files.faults else
@@ -120,15 +55,15 @@ def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
 
 
 def _read_messages(
-    files: BagFiles, topics: Collection[Topic], builder: RecordingBuilder, progress: Progress,
+    files: BagFiles, topics: Collection[Topic], recording: Recording, progress: Progress,
 ) -> None:
     """Add all messages of some topics; DamageError: one cannot be read."""
     decoders = {topic: _decoder(topic) for topic in topics}
     before: dict[str, bytes] = {}
-    seconds, shown = builder.recording.seconds, 0.0
+    seconds, shown = recording.seconds, 0.0
     for topic, stamp, raw in files.messages(topics):
         time = (stamp - files.start) / 1e9
-        builder.note_time(time)
+        recording.note_time(time)
         if time > shown:
             progress(time / seconds if seconds else 1.0)
             shown = time + seconds / 100
@@ -139,7 +74,7 @@ def _read_messages(
             before[topic.name] = body
         with reading():
             message = decoders[topic].deserialize_cdr(raw, topic.type)
-        builder.add(base_name(topic), time, message)
+        recording.add(base_name(topic), time, message)
     progress(1.0)
 
 

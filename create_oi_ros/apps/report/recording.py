@@ -8,9 +8,13 @@ from array import array
 from dataclasses import dataclass, field
 from functools import partial
 from math import nan
+from typing import Any
 
 from ...ros.collector import Collector, KINDS, Span
+from ...ros.messages import yaw_of
 
+GAP, SILENCE = 0.5, 2.0
+"""Seconds without odometry, and without any message, that count as a gap."""
 MOST = 1e6
 """A larger value of any curve (m, m/s, V, bytes/s) is an error in the bag."""
 
@@ -71,8 +75,59 @@ class Recording:
     """What of the bag is not whole, in words."""
     undefined: list[str] = field(default_factory=list)
     """Topics whose types the bag does not define."""
+    _last_message: float | None = field(default=None, init=False)
+    _last_odom: float | None = field(default=None, init=False)
 
     @property
     def damage(self) -> str:
         """A sentence about what is not whole; empty if all is."""
         return f'The bag is not whole: {"; ".join(self.faults)}.' if self.faults else ''
+
+    def add(self, topic: str, time: float, message: Any) -> None:
+        """Add a message of one of TOPICS."""
+        before = self.events.newest.get(topic)
+        self.events.take(topic, time, message)
+        if topic in self.events.newest and self.events.newest[topic] is before:
+            return  # the diagnostics of another node
+        match topic:
+            case 'odom':
+                if self._last_odom is not None and time - self._last_odom > GAP:
+                    self._gap(self._last_odom, time, 'no odometry: the robot was not heard')
+                self._last_odom = time
+                position, twist = message.pose.pose.position, message.twist.twist
+                self.odom.add(time, position.x, position.y, yaw_of(
+                    message.pose.pose.orientation), twist.linear.x, twist.angular.z)
+            case 'cmd_vel':
+                twist = getattr(message, 'twist', message)  # of a TwistStamped
+                self.commands.add(time, twist.linear.x, twist.angular.z)
+            case 'battery_state':
+                self.battery.add(
+                    time, message.voltage, message.current, 100 * message.percentage)
+            case 'diagnostics' if link := self.events.link:
+                self.link.add(time, *(_number(link.get(key)) for key in (
+                    'frames per second', 'damaged frames', 'garbage bytes')))
+
+    def note_time(self, time: float) -> None:
+        """Note the time of a message; a long silence before it is a gap."""
+        if self._last_message is not None and time - self._last_message > SILENCE:
+            self._gap(self._last_message, time, 'nothing was recorded')
+            self._last_odom = None
+        self._last_message = time
+
+    def finish(self) -> None:
+        """End what lasts at the end of the bag."""
+        self.events.finish(self.seconds)
+        if self._last_odom is not None and self.seconds - self._last_odom > 2 * GAP:
+            self._gap(self._last_odom, self.seconds, 'no odometry up to the end')
+
+    def _gap(self, start: float, end: float, text: str) -> None:
+        gap = Span('gap', start, text)
+        gap.end = end
+        self.gaps.append(gap)
+
+
+def _number(text: str | None) -> float:
+    try:
+        return float(text or 'nan')
+    except ValueError:
+        return float('nan')
