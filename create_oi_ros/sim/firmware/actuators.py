@@ -29,9 +29,6 @@ DARK = Lights()
 class ActuatorState:
     """What the host set last; wheels and low side drivers are passed on to the body."""
 
-    __slots__ = ('velocity', 'radius', 'right', 'left', 'wheels', 'lights', 'outputs', 'duties',
-                 'infrared_sent', '_body', '_separation')
-
     def __init__(self, body: Body) -> None:
         self._body = body
         self._separation = body.config.encoder_separation * MM_PER_M
@@ -103,8 +100,6 @@ BEEP = (Note(84, 10),)
 
 class Speaker:
     """Plays one song or beep at a time. Times are seconds on the robot's clock."""
-
-    __slots__ = ('songs', 'number', '_notes', '_begun', '_end', '_is_song')
 
     def __init__(self) -> None:
         self.songs: dict[int, tuple[Note, ...]] = {}
