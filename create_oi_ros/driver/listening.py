@@ -15,9 +15,10 @@ a robot shows no sign that it takes commands, such as another list that it was a
 speeds that it was sent. While a question is open,
 
 - it is asked again: by each call, or ever more seldom;
-- one stop is sent to a robot whose frames come, and any number to one that is called;
-- the driver sends nothing else of its own: no lists, modes, songs or LEDs, and no speeds but one
-  zero. None of what it sends can do harm where a part of it is lost;
+- one stop of the driver's own, and one that somebody asks for, are sent to a robot whose frames
+  come, and any number to one that is called;
+- the driver sends nothing else of its own: no lists, modes, songs, LEDs or restart, and no
+  speeds but one zero. None of what it sends can do harm where a part of it is lost;
 - requests are refused where it is certain that the robot does not listen (`Core.refusal`).
 """
 
