@@ -9,14 +9,16 @@ only, without `--host`. What follows `--ros-args` is for the node.
 
 import argparse
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, ExitStack
+from contextlib import contextmanager, ExitStack, suppress
 from math import degrees, inf, isnan, nan
 import os
 from pathlib import Path
 import re
 from shlex import quote
 import shutil
+import socket
 import sys
+import tempfile
 import time
 from typing import Any
 
@@ -29,8 +31,7 @@ from ..ros.diagnostics import ERROR, LINK
 from ..ros.messages import mode_name, yaw_of
 from ..ros.node_arguments import names_only, refusal, split
 from ..ros.process import call_on_signal, Children, ros_executor, spin_until
-from ..ros.programs import check_environment
-from ..ros.simulated_run import run_domain, run_folder
+from ..ros.programs import check_environment, UserError
 from ..ros.waiting import announce
 from ..sim.world_files import read_world, shipped_names, WorldError
 
@@ -46,6 +47,10 @@ CLEAR = '\r\x1b[K'
 """Go to the begin of the line, and clear it."""
 LOG_FORMAT = 'RCUTILS_CONSOLE_OUTPUT_FORMAT'
 USUAL_FORMAT = '[{severity}] [{time}] [{name}]: {message}'
+DOMAINS = range(215, 233)
+"""Few people choose these; their UDP ports lie above those that Linux gives to other programs."""
+FOLDER = re.compile(r'create-(\d+)-\w+')
+"""Name of a run's folder, with its process id."""
 
 
 class RobotStatus:
@@ -208,6 +213,47 @@ def _watch(children: Children, ended: Future, names: list[str], driver: str) -> 
             # Before ROS shuts down: the robot may be moving.
             children.end()
     return int(ended.result())
+
+
+@contextmanager
+def run_domain() -> Iterator[str]:
+    """
+    Yield the ROS domain of a simulated run: ROS_DOMAIN_ID, or else one that no other run has.
+
+    In a domain of our own we also stay on this computer: another one may use the same number.
+    UserError: all are taken.
+    """
+    given = os.environ.get('ROS_DOMAIN_ID')
+    if given:
+        yield given
+        return
+    for domain in DOMAINS:
+        # The kernel frees an abstract name when the process ends, however it ends.
+        with socket.socket(socket.AF_UNIX) as reservation:
+            try:
+                reservation.bind(f'\0create_oi_ros/domain/{domain}')
+            except OSError:
+                continue  # another run has it
+            os.environ['ROS_DOMAIN_ID'] = str(domain)
+            os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+            yield str(domain)
+            return
+    raise UserError(
+        f'the ROS domains {DOMAINS[0]} to {DOMAINS[-1]}, which simulated runs take, are all in '
+        'use: end a run, or choose a domain yourself with ROS_DOMAIN_ID')
+
+
+@contextmanager
+def run_folder() -> Iterator[Path]:
+    """Yield a new temporary folder, and remove it at the end; remove those of dead processes."""
+    for abandoned in Path(tempfile.gettempdir()).glob('create-*'):
+        found = FOLDER.fullmatch(abandoned.name)
+        with suppress(FileNotFoundError):  # another run has just removed it
+            if (found and not Path('/proc', found[1]).exists()
+                    and abandoned.lstat().st_uid == os.getuid()):
+                shutil.rmtree(abandoned, ignore_errors=True)
+    with tempfile.TemporaryDirectory(prefix=f'create-{os.getpid()}-') as folder:
+        yield Path(folder)
 
 
 def world(text: str) -> str:

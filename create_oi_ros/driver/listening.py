@@ -15,9 +15,10 @@ a robot shows no sign that it takes commands, such as another list that it was a
 speeds that it was sent. While a question is open,
 
 - it is asked again: by each call, or ever more seldom;
-- one stop is sent to a robot whose frames come, and any number to one that is called;
-- the driver sends nothing else of its own: no lists, modes, songs or LEDs, and no speeds but one
-  zero. None of what it sends can do harm where a part of it is lost;
+- one stop of the driver's own, and one that somebody asks for, are sent to a robot whose frames
+  come, and any number to one that is called;
+- the driver sends nothing else of its own: no lists, modes, songs, LEDs or restart, and no
+  speeds but one zero. None of what it sends can do harm where a part of it is lost;
 - requests are refused where it is certain that the robot does not listen (`Core.refusal`).
 """
 
@@ -27,7 +28,7 @@ from math import inf
 
 from .. import oi
 from .events import Severity
-from .outbox import Outbox, WAKE_UP
+from .outbox import HALT, Outbox, WAKE_UP
 
 QUESTIONS = tuple(oi.PacketList([name]) for name in ('infrared', 'buttons', 'virtual_wall'))
 """The usual ones. No part of a Stream of these can do harm, not even read at another rate, where
@@ -67,19 +68,29 @@ class Listening:
         self._asked = False
         """Whether it was asked."""
         self._since = self._due = inf
-        """From when on it is asked, and when it is asked next."""
+        """From when on it is asked ever more seldom, and when it is asked next."""
+        self._stops = False
+        """Whether a stop goes before it when it is asked first."""
         self.stop_sent = False
         """Whether a stop was sent since it is open."""
         self.trust()
 
     # Questions.
 
-    def begin(self, due: float = inf, lists: Iterable[oi.PacketList] = QUESTIONS) -> None:
-        """Open a question for one of some lists; `poll` asks it from `due` on."""
+    def begin(self, due: float = inf, lists: Iterable[oi.PacketList] = QUESTIONS, *,
+              after_script: float | None = None) -> None:
+        """
+        Open a question for one of some lists; `poll` asks it from `due` on.
+
+        `after_script`: when the script should have ended that plays now. Then the question is
+        asked once with a stop before it, for a robot that keeps what it is sent, and again from
+        that moment on.
+        """
         self._list = next((each for each in lists if each not in (self._list, self._newest)),
                           self._list)
         self.open, self._asked, self.stop_sent = True, False, False
-        self._since = self._due = due
+        self._due, self._stops = due, after_script is not None
+        self._since = due if after_script is None else after_script
 
     def ask(self) -> None:
         """Ask the question; it is open again where its answer led to nothing."""
@@ -97,8 +108,12 @@ class Listening:
     def poll(self, now: float) -> None:
         """Ask the open question again, when it is time."""
         if self.open and now >= self._due and not self._outbox.busy:
+            if self._stops:
+                self._outbox.send(HALT)
+                self._stops = False
             self.ask()
-            self._due = now + max(ASK_INTERVAL, ASK_FRACTION * (now - self._since))
+            self._due = max(
+                self._since, now + max(ASK_INTERVAL, ASK_FRACTION * (now - self._since)))
 
     # Doubt.
 

@@ -132,7 +132,6 @@ class Driver:
         self._connection.check_standstill(now)
         while self._unchecked:
             self._check_frame(self._unchecked.popleft(), now)
-        self.scripts.poll(now)
         self._connection.check_silence(now)
         self.modes.poll(now)
         self.songs.poll(now)

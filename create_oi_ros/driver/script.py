@@ -14,7 +14,6 @@ tells which of them came last. So a script is followed if it uses only one of th
 """
 
 from collections.abc import Iterable
-from math import inf
 
 from .. import oi
 from ..oi.commands import wheel_speeds
@@ -23,7 +22,7 @@ from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .core import Core
 from .listening import ASK_INTERVAL
-from .outbox import HALT, Pending, refused
+from .outbox import Pending, refused
 from .state import Activity, StateEvent
 from .stream import DRIVE_REQUEST, requested_speeds, StreamPlan
 
@@ -52,8 +51,6 @@ class ScriptControl:
         """Whether the script that played last has set distance and angle to zero as it waited for
         them (manual), so that a part of the motion is missing from them. False where it was not
         followed: then that part is all that is known."""
-        self._ask_at = inf
-        """When the robot is asked for the first time whether its script has ended."""
         self._ends_at: float | None = None
         """When the script that plays should end; None where that is not known."""
 
@@ -83,16 +80,16 @@ class ScriptControl:
         core, stored = self._core, self._stored
         commands = commands_of(stored) if stored else []
         self._follow(commands)
-        self._ask_at = now + ASK_INTERVAL
-        self._ends_at, again = None, self._ask_at + ASK_INTERVAL
+        self._ends_at, ended = None, now
         takes = None if stored is None or not can_end(stored) else duration(
             stored, core.status.actual or oi.Mode.OFF, SEPARATION)
         if takes is not None:
             self._ends_at = now + takes
-            again = max(again, now + takes + LATE + LATE_FRACTION * takes)
+            ended = now + takes + LATE + LATE_FRACTION * takes
         streamed = [each.packets for each in commands if isinstance(each, oi.Stream)]
-        core.listening.begin(again, [
-            each for each in self._plan.questions if each.ids not in streamed])
+        core.listening.begin(now + ASK_INTERVAL, [
+            each for each in self._plan.questions if each.ids not in streamed],
+            after_script=max(ended, now + 2 * ASK_INTERVAL))
         core.handle(StateEvent.SCRIPT_STARTED)
         core.outbox.send(CLEARED)
         core.outbox.send(oi.Stream(packets=self._plan.script.ids))
@@ -161,13 +158,6 @@ class ScriptControl:
     def goes_on(self) -> bool:
         """Whether the script that played last plays itself, so that it may not have ended."""
         return self._stored is not None and not can_end(self._stored)
-
-    def poll(self, now: float) -> None:
-        """Ask for the first time whether the script has ended."""
-        if self.playing and now >= self._ask_at and not self._core.outbox.busy:
-            self._ask_at = inf
-            self._core.outbox.send(HALT)
-            self._core.listening.ask()
 
     def forget(self) -> None:
         """Forget the script: no robot answers, it may have been switched off."""

@@ -31,7 +31,7 @@ from std_msgs.msg import Header
 
 from ..driver import Driver, goals
 from ..driver.goal_control import CANCELED, CLIENT_GONE
-from ..driver.goals import Code, Goal, Malformed, Phase
+from ..driver.goals import Code, Goal, Phase
 from ..driver.songs import Tune
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
@@ -264,8 +264,8 @@ class Actions:
         if action.type is NavigateToPosition:
             frame = request.goal_pose.header.frame_id
             if frame not in ('', self._odom_frame):
-                raise Malformed(f'goal_pose is in frame {frame!r}; allowed: {self._odom_frame!r}, '
-                                'odom_frame, or none')
+                raise ValueError(f'goal_pose is in frame {frame!r}; allowed: '
+                                 f'{self._odom_frame!r}, odom_frame, or none')
         return action.make(request)
 
     async def _execute(self, action: Action, handle: ServerGoalHandle) -> Any:
@@ -301,7 +301,7 @@ class Actions:
         try:
             goal = self._make(action, NavigateToPosition.Goal(
                 goal_pose=pose, achieve_goal_heading=True))
-        except Malformed as error:
+        except ValueError as error:
             log.warning(f'{GOAL_POSE} rejected: {error}')
             return
         with self._session.request() as (driver, now):

@@ -21,7 +21,6 @@ from mcap.writer import CompressionType, Writer
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.serialization import serialize_message
 from rclpy.subscription import Subscription
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
@@ -33,7 +32,6 @@ from tf2_msgs.msg import TFMessage
 from .topics import ALL_TOPICS, CMD_VEL, LATCHED, type_name
 from .velocity import COMMANDS, driver_type
 
-DESCRIPTION = 'robot_description'
 SAVED = 1.0
 """Seconds between two writes to the file; what `kill -9` or a full disk loses at most."""
 FITTED = 0.2
@@ -95,8 +93,8 @@ class Recorder:
         self.topics.append(self._recorded(
             CMD_VEL, COMMANDS.values(), QoSProfile(depth=10), ReliabilityPolicy.BEST_EFFORT))
         # Both published by robot_state_publisher, if it runs.
-        self._description = self._recorded(DESCRIPTION, (String,), LATCHED)
-        self.topics += [self._description, self._recorded('/tf_static', (TFMessage,), LATCHED)]
+        self.topics += [self._recorded('robot_description', (String,), LATCHED),
+                        self._recorded('/tf_static', (TFMessage,), LATCHED)]
         self._timers = [node.create_timer(SAVED, self._save), node.create_timer(FITTED, self._fit)]
         self._fit()
 
@@ -109,11 +107,6 @@ class Recorder:
     def size(self) -> int:
         """Bytes in the bag's file."""
         return self._path.stat().st_size
-
-    def describe(self) -> None:
-        """Write the model of the robot, for a bag without robot_state_publisher."""
-        model = Path(get_package_share_directory('create_oi_ros')) / 'urdf' / 'create.urdf'
-        self._write(self._description, serialize_message(String(data=model.read_text('utf-8'))))
 
     def _recorded(self, name: str, types: Iterable[type], qos: QoSProfile,
                   reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE) -> Recorded:

@@ -13,7 +13,6 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 from rclpy.action.client import ActionClient, ClientGoalHandle
-from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.task import Future
 
@@ -38,16 +37,13 @@ class Reply(NamedTuple):
 
 async def awaited(future: Future, timeout: float) -> Any:
     """Return the result of a future of rclpy; TimeoutError: none came within so many seconds."""
-    answered: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-
-    def end(done: Future) -> None:
-        if not answered.done():
-            answered.set_result(done.result())
-    future.add_done_callback(end)
+    done = asyncio.Event()
+    future.add_done_callback(lambda _: done.set())
     try:
-        return await asyncio.wait_for(answered, timeout)
+        await asyncio.wait_for(done.wait(), timeout)
     except TimeoutError:
         raise TimeoutError(f'the driver does not answer within {timeout:g} s') from None
+    return future.result()
 
 
 class DriverClient:
@@ -57,45 +53,48 @@ class DriverClient:
         """Look for the driver so many seconds at most."""
         self.node = node
         self._timeout = discovery_timeout
-        self._actions: dict[str, ActionClient] = {}
-        self._services: dict[str, Client] = {}
+        self._clients: dict[str, Any] = {}
 
-    def action(self, name: str) -> ActionClient:
-        if name not in self._actions:
-            self._actions[name] = ActionClient(self.node, ACTION_TYPES[name], name)
-        return self._actions[name]
+    def client(self, name: str) -> Any:
+        """Return the client of the action or service with this name."""
+        if name not in self._clients:
+            self._clients[name] = (
+                ActionClient(self.node, ACTION_TYPES[name], name) if name in ACTION_TYPES else
+                self.node.create_client(SERVICE_TYPES[name], name))
+        return self._clients[name]
 
-    def service(self, name: str) -> Client:
-        if name not in self._services:
-            self._services[name] = self.node.create_client(SERVICE_TYPES[name], name)
-        return self._services[name]
+    def offered(self, name: str) -> bool:
+        """Return whether a driver offers this action or service."""
+        client = self.client(name)
+        return bool(client.server_is_ready() if name in ACTION_TYPES else
+                    client.service_is_ready())
 
     def destroy(self) -> None:
         """Destroy what rclpy does not destroy with the node."""
-        for client in self._actions.values():
-            client.destroy()
+        for client in self._clients.values():
+            if isinstance(client, ActionClient):
+                client.destroy()
 
-    async def missing(self, name: str, ready: Callable[[], bool]) -> Reply | None:
-        """Wait until a driver is found; return the reply where there is none."""
+    async def find(self, name: str, given_up: Callable[[], bool] = lambda: False) -> None:
+        """Wait until a driver offers something; TimeoutError: none does."""
         for _ in range(round(self._timeout / LOOK_INTERVAL)):
-            if ready():
-                return None
+            if given_up() or self.offered(name):
+                return
             await asyncio.sleep(LOOK_INTERVAL)
-        return Reply(False, f'no driver offers {self.node.resolve_service_name(name)} in ROS '
-                            f'domain {self.node.context.get_domain_id()}')
+        raise TimeoutError(f'no driver offers {self.node.resolve_service_name(name)} in ROS '
+                           f'domain {self.node.context.get_domain_id()}')
 
     async def call(self, name: str, request: Any) -> Reply:
         """Call a service of the driver."""
-        client = self.service(name)
-        if missing := await self.missing(name, client.service_is_ready):
-            return missing
-        answer = client.call_async(request)
         try:
-            response = await awaited(answer, REPLY_TIMEOUT)
+            await self.find(name)
+            answer = self.client(name).call_async(request)
+            try:
+                response = await awaited(answer, REPLY_TIMEOUT)
+            finally:
+                self.client(name).remove_pending_request(answer)
         except TimeoutError as error:
             return Reply(False, str(error))
-        finally:
-            client.remove_pending_request(answer)
         return Reply(bool(response.success), str(response.message), response)
 
 
@@ -106,9 +105,6 @@ class GoalState(Enum):
     REACHED = 'reached'
     CANCELED = 'canceled'
     FAILED = 'ended'
-
-
-ENDED = GoalState.REACHED, GoalState.CANCELED, GoalState.FAILED
 
 
 class Goal:
@@ -124,28 +120,27 @@ class Goal:
         """None before the end."""
         self._driver, self._request, self._on_change = driver, request, on_change
         self._handle: ClientGoalHandle | None = None
-        self._canceled = False
 
     async def pursue(self) -> Reply:
         """Send the goal, and wait for its end."""
-        self.reply = await self._pursue()
+        try:
+            self.reply = await self._pursue()
+        except TimeoutError as error:
+            self.reply = Reply(False, str(error))
         self._become(GoalState.REACHED if self.reply.ok else
                      GoalState.CANCELED if self._canceled else GoalState.FAILED)
         return self.reply
 
     async def _pursue(self) -> Reply:
-        client = self._driver.action(self.name)
-        if missing := await self._driver.missing(
-                self.name, lambda: self._canceled or bool(client.server_is_ready())):
-            return missing
+        await self._driver.find(self.name, lambda: self._canceled)
         if self._canceled:
             return Reply(False, 'canceled before it was sent')
-        sent = client.send_goal_async(self._request, self._on_feedback)
+        sent = self._driver.client(self.name).send_goal_async(self._request, self._on_feedback)
         try:
             handle = await awaited(sent, REPLY_TIMEOUT)
-        except TimeoutError as error:  # the driver may still accept it: cancel it then
+        except TimeoutError:  # the driver may still accept it: cancel it then
             sent.add_done_callback(lambda late: late.result().cancel_goal_async())
-            return Reply(False, str(error))
+            raise
         if not handle.accepted:
             why = malformed(self.name, self._request) or 'the log of the driver says why'
             return Reply(False, f'rejected as malformed; {why}')
@@ -158,15 +153,18 @@ class Goal:
         while not ended.done():
             with suppress(TimeoutError):
                 await awaited(ended, CHECK_INTERVAL)
-            if not (ended.done() or client.server_is_ready()):
+            if not (ended.done() or self._driver.offered(self.name)):
                 return Reply(False, 'the driver has gone')
         result = ended.result().result
         return Reply(bool(result.success), str(result.message), result)
 
+    @property
+    def _canceled(self) -> bool:
+        return self.state is GoalState.CANCELING
+
     def cancel(self) -> None:
         """Ask the driver to cancel it, if it has not ended; `pursue` waits for the end."""
         if not self._canceled and self.reply is None:
-            self._canceled = True
             self._become(GoalState.CANCELING)
             if self._handle is not None:
                 self._handle.cancel_goal_async()

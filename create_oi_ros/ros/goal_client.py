@@ -104,7 +104,7 @@ class GoalClient:
         if self._goal is not None and not self.is_complete():
             raise GoalFailed(f'{self._goal.name} still runs: wait until is_complete(), or '
                              'cancel()')
-        self._say_if_waiting(f'the action {name}', self._driver.action(name).server_is_ready)
+        self._say_if_waiting('action', name)
         accepted = asyncio.Event()
         self._goal = Goal(self._driver, name, request, lambda _: accepted.set())
 
@@ -136,7 +136,7 @@ class GoalClient:
     def call(self, name: str, **fields: Any) -> Any:
         """Call the service with this name; return its reply, or raise GoalFailed."""
         request = _message(SERVICE_TYPES, 'service', name, fields, 'Request')
-        self._say_if_waiting(f'the service {name}', self._driver.service(name).service_is_ready)
+        self._say_if_waiting('service', name)
         return _checked(name, self._run(self._driver.call(name, request)))
 
     def _run(self, work: Coroutine[Any, Any, Result]) -> Result:
@@ -168,10 +168,11 @@ class GoalClient:
             self._goal.cancel()
         return self._ended(CANCEL_TIMEOUT)
 
-    def _say_if_waiting(self, what: str, ready: Callable[[], bool]) -> None:
-        if not ready():
-            say_if_waiting(self.node, what, lambda: not ready(), lambda why: print(
-                f'{self._name}: {why}', file=sys.stderr, flush=True))
+    def _say_if_waiting(self, what: str, name: str) -> None:
+        if not self._driver.offered(name):
+            say_if_waiting(
+                self.node, f'the {what} {name}', lambda: not self._driver.offered(name),
+                lambda why: print(f'{self._name}: {why}', file=sys.stderr, flush=True))
 
 
 def _message(types: Mapping[str, Any], what: str, name: str, fields: Mapping[str, Any],

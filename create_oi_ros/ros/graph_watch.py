@@ -34,8 +34,6 @@ class GraphWatch:
         self._velocity = velocity
         self._parameters = parameters
         self._topic = node.resolve_topic_name(CMD_VEL)
-        self._mode = node.resolve_topic_name(topics.MODE.name)
-        self._tf = node.resolve_topic_name(topics.TF.name)
         self._warn = warn
         self._warned: set[str] = set()
         self._modes: dict[str, Subscription | None] = {}
@@ -78,8 +76,9 @@ class GraphWatch:
 
     def _other_topics(self) -> Iterator[str]:
         """Find commands in another namespace, and other drivers with the same frames."""
+        own = self._node.resolve_topic_name(topics.MODE.name)
         for topic, types in self._node.get_topic_names_and_types():
-            if MODE_TYPE in types and topic != self._mode:
+            if MODE_TYPE in types and topic != own:
                 yield from self._same_frames(topic)
             # Only one of both is in a namespace; else another robot is meant.
             if (topic.endswith(f'/{CMD_VEL}') and topic != self._topic
@@ -104,11 +103,11 @@ class GraphWatch:
         elif not publishers and (ended := self._modes.pop(topic, None)) is not None:
             self._velocity.node.destroy_subscription(ended)
             self._base_frames.pop(topic, None)
-        others = publishers & self._names_of_publishers(self._tf)
-        base = self._parameters.base_frame
+        tf, base = self._node.resolve_topic_name(topics.TF.name), self._parameters.base_frame
+        others = publishers & self._names_of_publishers(tf)
         if others and self._base_frames.get(topic) == base:
             robot = self._node.get_namespace().strip('/') or 'robot1'
-            yield (f'{", ".join(sorted(others))} publishes a transform to {base} on {self._tf}, '
+            yield (f'{", ".join(sorted(others))} publishes a transform to {base} on {tf}, '
                    'as this driver does, so the robot jumps between two poses: give each robot '
                    f'frames of its own, such as odom_frame: {robot}/odom and base_frame: '
                    f'{robot}/base_footprint')

@@ -7,10 +7,11 @@ Units are SI here; nowhere else are they converted. A message that is published 
 and filled again: `odometry(message, estimate)` sets the fields that change, for example.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from enum import IntFlag
 from math import atan2, cos, isnan, nan, remainder, sin, tau
 from numbers import Integral, Real
+import struct
 from typing import Any
 
 from builtin_interfaces.msg import Duration, Time
@@ -18,7 +19,7 @@ from create_oi_msgs import msg
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import BatteryState, Imu, JointState
+from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2, PointField
 from std_msgs.msg import Header
 
 from tf2_msgs.msg import TFMessage
@@ -43,6 +44,9 @@ TWIST_VARIANCES = [7 * X, 7 * YAW]
 """Where it has the variances of forward and turning speed."""
 Values = dict[str, Any]
 """Values of fields of a message, by their names."""
+HEIGHT = 0.05
+"""Metres above the floor of the points of `contacts`: between the heights of an obstacle layer."""
+POINT = struct.Struct('<fff')
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
 
 
@@ -92,6 +96,21 @@ def empty_imu(base_frame: str) -> Imu:
     message.angular_velocity_covariance[0] = NOT_MEASURED
     message.angular_velocity_covariance[4] = NOT_MEASURED
     return message
+
+
+def empty_contacts(base_frame: str) -> PointCloud2:
+    """Return a message to be filled with `contacts`."""
+    fields = [PointField(name=name, offset=4 * place, datatype=PointField.FLOAT32, count=1)
+              for place, name in enumerate('xyz')]
+    return PointCloud2(header=Header(frame_id=base_frame), height=1, fields=fields,
+                       is_bigendian=False, point_step=POINT.size, is_dense=True)
+
+
+def contacts(message: PointCloud2, points: Iterable[tuple[float, float]]) -> None:
+    """Set the points, m forward and to the left."""
+    message.data = b''.join(POINT.pack(x, y, HEIGHT) for x, y in points)
+    message.row_step = len(message.data)
+    message.width = message.row_step // POINT.size
 
 
 def imu(message: Imu, estimate: Estimate) -> None:

@@ -26,7 +26,7 @@ from .actions import Actions
 from .graph_watch import GraphWatch
 from .odometry_model import ModelKeeper
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
-from .publishing import CLOCK_WARNING_INTERVAL, ContactCloud, FramePublisher, publisher
+from .publishing import CLOCK_WARNING_INTERVAL, FramePublisher, publisher
 from .velocity import VelocityInput
 from .waiting import announce
 
@@ -52,7 +52,6 @@ class CreateNode(Node):
             raise ValueError('a parameter is an empty list, [], of which ROS cannot tell the '
                              'type: leave it out') from None
         self.parameters = parameters.declare(self)
-        self._periods = self.parameters.periods()
         self.add_pre_set_parameters_callback(parameters.as_declared)
         self.add_on_set_parameters_callback(parameters.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
@@ -98,7 +97,6 @@ class CreateNode(Node):
         self._frames = FramePublisher(self, self.parameters)
         self._stamps = self._frames.stamps
         self._mode_waits, self._seconds_without_time = False, 0
-        self._contacts = ContactCloud(self, self.parameters)
         self._mode = publisher(self, topics.MODE)
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         self._commands = VelocityInput(
@@ -142,7 +140,6 @@ class CreateNode(Node):
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
         self.parameters = parameters.changed(self.parameters, changed)
-        self._periods = self.parameters.periods()
         with self.session.request() as (driver, _now):
             driver.set_limits(self.parameters.limits())
 
@@ -151,9 +148,7 @@ class CreateNode(Node):
     def _on_event(self, event: DriverEvent) -> None:
         match event:
             case Moved():
-                stamp = self._frames.publish(event, *self._periods)
-                if stamp is not None:
-                    self._contacts.publish(event, stamp, self.parameters)
+                self._frames.publish(event, self.parameters)
                 self._actions.report()
             case ModeStatus():
                 self._publish_mode(event)

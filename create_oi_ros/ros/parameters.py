@@ -166,10 +166,6 @@ class Parameters:
         """Whether the battery's charge is known."""
         return self.battery_technology == 'nimh'
 
-    def periods(self) -> tuple[float, float]:
-        """Return the seconds between two messages of a sensor, and between two of `odom`."""
-        return 1 / self.sensor_rate, 1 / self.odom_rate if self.odom_rate else 0.0
-
     def limits(self) -> MotionLimits:
         """Return the limits of the motion, which may change while the node runs."""
         return MotionLimits(

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from copy import copy
 from functools import partial
 from math import inf
-import struct
 import time
 from typing import Any
 
@@ -20,8 +19,7 @@ from rclpy.clock import JumpThreshold, ROSClock
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
-from rclpy.time import Time
-from sensor_msgs.msg import BatteryState, PointCloud2, PointField
+from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
 from ..driver import Moved
@@ -43,6 +41,8 @@ CLOCK_JITTER = 1_000_000
 """Nanoseconds by which stamps may seem to go back without a jump of the clock."""
 EARLY = SLOT / 2
 """Seconds before its due time at which a topic may be published: it takes the nearest frame."""
+EMPTY_PERIOD = 1.0
+"""Seconds between two messages of `contacts` without points."""
 
 
 def publisher(node: Node, topic: Topic) -> Publisher:
@@ -179,6 +179,26 @@ class SensorFrameTopic(FrameTopic):
         return changed
 
 
+class ContactTopic(FrameTopic):
+    """Publishes what the robot has felt, as points: when their number changes, else when due."""
+
+    def __init__(self, node: Node, parameters: Parameters) -> None:
+        cloud = messages.empty_contacts(parameters.base_frame)
+        super().__init__(node, topics.CONTACTS, cloud, cloud.header.stamp, messages.contacts)
+        self._contacts = Contacts()
+        self._count, self._due_at = 0, -inf
+
+    def take(self, moved: Moved, stamp: int, parameters: Parameters) -> None:
+        """Take a frame in, with its stamp, ns; publish what is felt when it is due."""
+        self._contacts.update(
+            moved.readings, moved.estimate, moved.stamp, parameters.contact_persistence)
+        points = self._contacts.points(moved.estimate)
+        if len(points) != self._count or moved.stamp >= self._due_at:
+            self._count = len(points)
+            self._due_at = moved.stamp + (1 / parameters.sensor_rate if points else EMPTY_PERIOD)
+            self.publish(stamp, points)
+
+
 class FramePublisher:
     """Publishes where the robot is, how it moves and what it senses, frame by frame."""
 
@@ -200,109 +220,54 @@ class FramePublisher:
             self._imu = FrameTopic(node, topics.IMU, imu, imu.header.stamp, messages.imu)
         self._sensors = [SensorFrameTopic(node, topic, parameters)
                          for topic in topics.SENSOR_TOPICS]
-        self._watched = Readings.numbers(
-            *{name for each in self._sensors for name in each.topic.watch})
-        self._last: tuple[int, ...] = ()
-        """All watched readings in the newest frame."""
-        self._complete = False
-        """Whether all sensors are complete."""
         # One pace for all topics of a period; a StateTopic is published on change only.
         periods = dict.fromkeys(
             each.topic.period for each in self._sensors if each.topic.period != inf)
         self._repeated = [
             (Pace(), period, [each for each in self._sensors if each.topic.period == period])
             for period in periods]
-        self._checked = [*self._motion, *(each for _, _, sensors in self._repeated
-                                          for each in sensors)]
+        self._contacts = ContactTopic(node, parameters)
+        self._checked = [*self._motion, self._contacts,
+                         *(each for _, _, sensors in self._repeated for each in sensors)]
         """What is published only where it is heard."""
         if self._imu is not None:
             self._checked.append(self._imu)
         self._motion_pace, self._check_at = Pace(), -inf
         self._check()
 
-    def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> int | None:
+    def publish(self, moved: Moved, parameters: Parameters) -> None:
         """
-        Publish a frame, and return its stamp, ns; None, and nothing published, without a time.
+        Publish a frame; nothing without a time.
 
-        Sensors that do not change are published once in `sensor_period` seconds, the estimate
-        and the joints once in `motion_period`; 0 is in every frame. While a simulated clock
-        stands, only changes are published.
+        Sensors that do not change are published at `sensor_rate`, the estimate and the joints at
+        `odom_rate`; 0 is in every frame. While a simulated clock stands, only changes are
+        published.
         """
         before, stamp = self.stamps.newest, self.stamps.of_frame(moved.stamp)
         if stamp is None:
-            return None
+            return
         # A change, such as a bump, must not wait; what is only due again can.
-        changed = self._publish_changes(stamp, moved.readings)
+        changed = [sensor for sensor in self._sensors
+                   if sensor.publish_change(stamp, moved.readings)]
         if stamp != before:
-            if not motion_period or self._motion_pace.due(moved.stamp, motion_period):
+            rate = parameters.odom_rate
+            if not rate or self._motion_pace.due(moved.stamp, 1 / rate):
                 for topic in self._motion:
                     if topic.heard:
                         topic.publish(stamp, moved.estimate)
             if self._imu is not None and self._imu.heard and moved.estimate.gyro is not None:
                 self._imu.publish(stamp, moved.estimate)
             for pace, period, sensors in self._repeated:
-                if pace.due(moved.stamp, period or sensor_period):
+                if pace.due(moved.stamp, period or 1 / parameters.sensor_rate):
                     for sensor in sensors:
                         if sensor.heard and sensor.complete and sensor not in changed:
                             sensor.publish(stamp, moved.readings)
+        if self._contacts.heard:
+            self._contacts.take(moved, stamp, parameters)
         if moved.stamp >= self._check_at:  # last, since it takes a while
             self._check_at = moved.stamp + CHECK_INTERVAL
             self._check()
-        return stamp
-
-    def _publish_changes(self, stamp: int, readings: Readings) -> list[SensorFrameTopic]:
-        """Publish the sensors that have changed, and return them."""
-        if self._complete:
-            before, self._last = self._last, self._watched(readings)
-            if self._last == before:
-                return []  # as in most frames
-        changed = [sensor for sensor in self._sensors if sensor.publish_change(stamp, readings)]
-        self._complete = all(sensor.complete for sensor in self._sensors)
-        return changed
 
     def _check(self) -> None:
         for topic in self._checked:
             topic.heard = topic.publisher.get_subscription_count() > 0
-
-
-HEIGHT = 0.05
-"""Metres above the floor at which the points are: between the heights of an obstacle layer."""
-POINT = struct.Struct('<fff')
-EMPTY_PERIOD = 1.0
-"""Seconds between two clouds without points."""
-
-
-class ContactCloud:
-    """Fills the cloud and publishes it, frame by frame."""
-
-    def __init__(self, node: Node, parameters: Parameters) -> None:
-        self._publisher = publisher(node, topics.CONTACTS)
-        self._contacts = Contacts()
-        self._count = 0
-        self._due_at = self._check_at = -inf
-        self._wanted = False
-        fields = [PointField(name=name, offset=4 * place, datatype=PointField.FLOAT32, count=1)
-                  for place, name in enumerate('xyz')]
-        self._cloud = PointCloud2(
-            header=Header(frame_id=parameters.base_frame), height=1, fields=fields,
-            is_bigendian=False, point_step=POINT.size, is_dense=True)
-
-    def publish(self, moved: Moved, nanoseconds: int, parameters: Parameters) -> None:
-        """Take a frame in, with its stamp in the node's time; publish what is felt when due."""
-        stamp = moved.stamp
-        if stamp >= self._check_at:
-            self._check_at = stamp + CHECK_INTERVAL
-            self._wanted = self._publisher.get_subscription_count() > 0
-        if not self._wanted:
-            return
-        self._contacts.update(
-            moved.readings, moved.estimate, stamp, parameters.contact_persistence)
-        points = self._contacts.points(moved.estimate)
-        if len(points) == self._count and stamp < self._due_at:
-            return
-        self._count = len(points)
-        self._due_at = stamp + (1 / parameters.sensor_rate if points else EMPTY_PERIOD)
-        self._cloud.header.stamp = Time(nanoseconds=nanoseconds).to_msg()
-        self._cloud.width, self._cloud.row_step = len(points), len(points) * POINT.size
-        self._cloud.data = b''.join(POINT.pack(x, y, HEIGHT) for x, y in points)
-        self._publisher.publish(self._cloud)

@@ -19,7 +19,7 @@ pytest.importorskip('rosbags')
 
 from rosbags.rosbag2 import Reader
 
-from create_oi_ros.apps.report.bag_reader import read
+from create_oi_ros.apps.report.recording import read
 from create_oi_ros.ros.bags import Recorder
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED, PUBLISHED
 from support.pages import blocks, ROOT

@@ -31,10 +31,9 @@ from std_msgs.msg import String
 
 from create_oi_ros.apps.report import page
 from create_oi_ros.apps.report.bag_files import BagError, DamageError, reading
-from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.apps.report.create_report import main
 from create_oi_ros.apps.report.page import kept, packed, steps, write
-from create_oi_ros.apps.report.recording import Recording
+from create_oi_ros.apps.report.recording import read, Recording
 from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
 from create_oi_ros.ros import programs
 from create_oi_ros.ros.collector import Collector

@@ -16,8 +16,7 @@ from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
-from create_oi_ros.apps.report.bag_reader import read
-from create_oi_ros.apps.report.recording import Recording
+from create_oi_ros.apps.report.recording import read, Recording
 from create_oi_ros.apps.report.summary import events, summary, travelled
 from support import bags
 

@@ -22,13 +22,13 @@ from create_oi_ros.apps.web.access import (
 from create_oi_ros.apps.web.page_messages import (
     CALLS,
     feedback_part,
-    GOALS,
     MessageError,
     MESSAGES,
     read,
 )
 from create_oi_ros.driver.goals.goal import Velocity
 from create_oi_ros.robot import TOP_SPEED
+from create_oi_ros.ros.driver_client import ACTION_TYPES, SERVICE_TYPES
 from support.source import PACKAGE, ROOT
 
 AHEAD = Velocity(0.2, 0.0)
@@ -218,16 +218,16 @@ def test_what_is_no_message_is_refused_with_what_is_allowed(texts, why):
 
 # Goals.
 
-@pytest.mark.parametrize('name', GOALS)
+@pytest.mark.parametrize('name', ACTION_TYPES)
 def test_every_action_that_the_page_shows_takes_a_goal_with_its_own_fields(name):
     goal = read(json.dumps({'type': name, **GOOD_GOALS[name]})).request
-    assert isinstance(goal, GOALS[name].Goal)
+    assert isinstance(goal, ACTION_TYPES[name].Goal)
 
 
 @pytest.mark.parametrize('name', CALLS)
 def test_a_service_gets_a_request_with_its_own_fields(name):
     request = read(json.dumps({'type': name, **GOOD_CALLS[name]})).request
-    assert isinstance(request, CALLS[name].Request)
+    assert isinstance(request, SERVICE_TYPES[name].Request)
     assert {field: getattr(request, field) for field in GOOD_CALLS[name]} == GOOD_CALLS[name]
 
 

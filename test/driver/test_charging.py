@@ -250,3 +250,15 @@ def test_a_charge_at_its_limit_is_told_of_once():
         loop.body.force(charge=charge, capacity=2700)
         loop.run(3.0)
     assert said(loop, Severity.WARNING, 'battery low') == 1
+
+
+def test_a_robot_that_may_not_listen_is_not_restarted_before_it_does():
+    loop = on_dock(mode_on_start=Mode.PASSIVE, reset_when_not_charging=True)
+    loop.body.set_battery(charge=0.4, waits=True)
+    loop.run(1.0)
+    loop.robot.receive(oi.WaitTime(time=150).encode(), loop.now)
+    loop.run(2 * CHARGE_WAIT)
+    assert loop.robot.waiting and loop.driver.core.listening.open
+    assert not said(loop, Severity.WARNING, 'restarting it (opcode 7)')
+    loop.run(5.0 + CHARGE_WAIT + 1)
+    assert said(loop, Severity.WARNING, 'restarting it (opcode 7)') == 1

@@ -23,7 +23,7 @@ from typing import Any
 
 import pytest
 
-from create_oi_ros.apps.report.bag_reader import read
+from create_oi_ros.apps.report.recording import read
 from create_oi_ros.ros.programs import PROGRAMS
 from support.pages import Block, blocks, check_parameters, commands, ROOT
 from support.ros import Program, Scene

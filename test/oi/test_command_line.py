@@ -15,7 +15,6 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi.tools.command_line import main, run
-from create_oi_ros.oi.tools.tables import columns, document, groups_table
 from support.oi_strategies import frames, packet_lists
 
 ROOT = Path(__file__).parents[2]
@@ -145,7 +144,6 @@ def test_the_tables_are_printed() -> None:
     assert status == 0 and len(lines) == 1 + 29
     status, lines, _ = ran('packets')
     assert status == 0 and len(lines) == 1 + 36
-    assert columns(groups_table()).splitlines()[-1] == '6      52     7 - 42'
 
 
 def test_the_cost_of_a_stream_is_shown() -> None:
@@ -166,18 +164,6 @@ def test_wrong_usage_has_its_own_exit_code(arguments: list[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         ran(*arguments)
     assert ended.value.code == 2
-
-
-def test_the_page_is_what_the_declarations_say(tmp_path: Path) -> None:
-    page = PAGE.read_text(encoding='utf-8')
-    assert document(page) == page, f'python -m create_oi_ros.oi document {PAGE.name}'
-    assert page.count('<!-- table: ') == 4
-    copy = tmp_path / 'page.md'
-    copy.write_text(page.replace('| 137 | Drive |', '| 138 | Drive |'), encoding='utf-8')
-    assert ran('document', str(copy)) == (0, [f'{copy} written'], '')
-    assert copy.read_text(encoding='utf-8') == page
-    assert ran('document', str(copy)) == (0, [], '')
-    assert ran('document', str(tmp_path / 'none'))[0] == 1
 
 
 def test_the_examples_of_the_page_are_true() -> None:

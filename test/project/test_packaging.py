@@ -24,7 +24,7 @@ import create_oi_ros
 from create_oi_ros.ros.programs import FOR_BAGS, installing
 from support.source import imported, modules, PACKAGE, ROOT
 
-FOLDERS = ('launch', 'test', 'bench', 'examples')
+FOLDERS = ('launch', 'test', 'bench', 'tools', 'examples')
 """Folders beside the package; what only they import may be a test dependency."""
 OURS = {PACKAGE, *FOLDERS,
         *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
@@ -35,8 +35,8 @@ ROSDEP_KEYS = {name: f'python3-{name}' for name in (
 NO_KEY = {'mcap': 'docs/recording.md', 'rosbags': 'docs/recording.md',
           'playwright': 'CONTRIBUTING.md'}
 """Optional modules that no Debian package has, and the page that says how to install them."""
-BROUGHT = {'zstandard'}
-"""Modules that come with those: `mcap` needs it."""
+BROUGHT = {'coverage', 'zstandard'}
+"""Modules that come with others: `pytest-cov` and `mcap` need them."""
 NOT_IMPORTED = {
     'launch': 'launch files; our folder has that name', 'ros2launch': '`ros2 launch`',
     'robot_state_publisher': 'started by a launch file',

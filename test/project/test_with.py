@@ -30,8 +30,8 @@ import yaml
 from create_oi_ros.driver.contacts import LEFT_BEHIND, OUTSIDE
 from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import diagnostics
+from create_oi_ros.ros.messages import HEIGHT
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.publishing import HEIGHT
 from create_oi_ros.ros.topics import CONTACTS, ODOM, PUBLISHED
 from support.pages import blocks, commands, OURS, ROOT, ros2_commands
 

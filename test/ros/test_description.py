@@ -12,7 +12,7 @@ import yaml
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.ros.messages import WHEEL_JOINTS
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.reference import config
+from document import config
 from support.source import ROOT
 
 URDF = ROOT / 'urdf' / 'create.urdf'

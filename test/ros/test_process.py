@@ -15,9 +15,10 @@ from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.ros import simulated_run, waiting
+from create_oi_ros.apps import run
+from create_oi_ros.apps.run import run_domain, run_folder
+from create_oi_ros.ros import waiting
 from create_oi_ros.ros.programs import UserError
-from create_oi_ros.ros.simulated_run import run_domain, run_folder
 from create_oi_ros.ros.waiting import (
     announce,
     DISCOVERY_TIMEOUT,
@@ -107,7 +108,7 @@ def test_a_domain_that_is_set_is_kept(no_domain):
 
 
 def test_a_domain_is_free_again_after_its_run(no_domain):
-    no_domain.setattr(simulated_run, 'DOMAINS', range(228, 229))
+    no_domain.setattr(run, 'DOMAINS', range(228, 229))
     for _ in range(2):
         with run_domain() as domain:
             assert domain == '228'
@@ -115,7 +116,7 @@ def test_a_domain_is_free_again_after_its_run(no_domain):
 
 
 def test_when_all_domains_are_taken_it_says_so(no_domain):
-    no_domain.setattr(simulated_run, 'DOMAINS', range(229, 230))
+    no_domain.setattr(run, 'DOMAINS', range(229, 230))
     with run_domain():
         no_domain.delenv('ROS_DOMAIN_ID')
         with pytest.raises(UserError, match='choose a domain yourself with ROS_DOMAIN_ID'):

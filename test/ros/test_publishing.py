@@ -37,12 +37,13 @@ def arrived(stage: Scene, moved: Moved, *types: type) -> list[Any]:
     """Publish a frame until a message of each type has arrived; return the newest."""
     names = {topic.type: topic.name for topic in ALL_TOPICS}
     heard = [stage.ros.listen(each, names[each]) for each in types]
-    publisher = FramePublisher(stage.ros.node, Parameters(gyro='analog'))
+    parameters = Parameters(gyro='analog', sensor_rate=66.0)
+    publisher = FramePublisher(stage.ros.node, parameters)
 
     def all_arrived() -> bool:
         nonlocal moved
         moved = moved._replace(stamp=moved.stamp + oi.SLOT)
-        publisher.publish(moved, oi.SLOT, 0.0)
+        publisher.publish(moved, parameters)
         return all(heard)
     stage.ros.until(all_arrived, 'a message of each')
     return [each[-1] for each in heard]
@@ -117,7 +118,7 @@ class Frames:
         for topic in (Odometry, 'odom'), (Bumper, 'bumper'), (Cliff, 'cliff'):
             stage.ros.listen(*topic)
         self._slot = 0
-        self.motion_period = 0.0
+        self.odom_rate = 0.0
         self._told: list[str] = []
         publish = FrameTopic.publish
 
@@ -137,9 +138,10 @@ class Frames:
         """Return the topics of a frame, in order; readings that are not given are zero."""
         self._told.clear()
         self._slot += 1
-        self.nanoseconds = self.publisher.publish(
+        self.publisher.publish(
             Moved(self.stamp, oi.Readings(QUIET | readings), Estimate()),
-            PERIOD, self.motion_period)
+            Parameters(sensor_rate=1 / PERIOD, odom_rate=self.odom_rate))
+        self.nanoseconds = self.publisher.stamps.newest
         return self._told
 
     def quiet(self) -> None:
@@ -182,7 +184,7 @@ def test_a_topic_that_changes_in_each_frame_comes_once_and_delays_no_other(frame
 
 @pytest.mark.parametrize('rate', [20, 66])
 def test_with_odom_rate_odometry_comes_at_its_rate_and_changes_at_once(frames, rate):
-    frames.motion_period = 1 / rate
+    frames.odom_rate = rate
     frames.quiet()
     told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(1000)]
     assert all(names[0] == 'Bumper' for names in told)

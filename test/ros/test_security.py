@@ -22,10 +22,11 @@ from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from create_oi_ros.apps.lidar import LidarNode
-from create_oi_ros.apps.web.page_messages import GOALS
+from create_oi_ros.apps.web.live_robot import LiveRobot
 from create_oi_ros.apps.web.web_node import WebNode
 from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.bags import Recorder
+from create_oi_ros.ros.driver_client import ACTION_TYPES
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED
@@ -87,11 +88,11 @@ def node(tmp_path_factory):
     with own_domain() as domain:
         rclpy.init(args=[], domain_id=domain)
         made = CreateNode(Future(), parameter_overrides=[Parameter('gyro', value='analog')])
-        web = WebNode()
+        web = WebNode(LiveRobot())
         lidar, record = LidarNode(), rclpy.create_node('create_record')
         recorder = Recorder(record, tmp_path_factory.mktemp('bags') / 'bag')
-        for name in GOALS:
-            web.driver.action(name)  # as a page that has sent every goal
+        for name in ACTION_TYPES:
+            web.action_client(name)  # as a page that has sent every goal
         deadline = time.monotonic() + TIMEOUT
         while not web.velocity.driver_listens:
             assert time.monotonic() < deadline

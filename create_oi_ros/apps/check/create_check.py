@@ -18,6 +18,7 @@ from ... import oi
 from ...driver import Health
 from ...ros.odometry_model import write
 from ...ros.parameters import BAUDS, Parameters
+from ...ros.process import STOP_SIGNALS
 from ...ros.programs import INTERRUPTED, UserError
 from .moves import Move, Reads, Segment, STEPS
 from .questions import (
@@ -127,7 +128,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not options.output.absolute().parent.is_dir():
         raise UserError(f'{options.output.absolute().parent} is no folder: nothing can be '
                         'written there')
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in STOP_SIGNALS:
         signal.signal(number, signal.default_int_handler)
     person = Person(absent=options.yes)
     try:

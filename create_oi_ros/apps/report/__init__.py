@@ -3,6 +3,6 @@
 """
 `create_report`: shows what a robot did, from a bag, on a page to replay and zoom.
 
-`bag_files` reads messages from files in any state, `bag_reader` makes a `Recording` of them,
+`bag_files` reads messages from files in any state, `recording` makes a `Recording` of them,
 `summary` describes it in words, `page` writes it with the scripts in `live/`.
 """

@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 import sys
 
-from .bag_reader import read
 from .page import write
+from .recording import read
 
 WIDTH = 30
 """Characters of the progress bar."""

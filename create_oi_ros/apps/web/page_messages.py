@@ -14,23 +14,22 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from ...robot import TOP_SPEED
-from ...ros.actions import ALL_ACTIONS, malformed
+from ...ros.actions import malformed
+from ...ros.driver_client import ACTION_TYPES, SERVICE_TYPES
 from ...ros.messages import filled
-from ...ros.services import SERVICES
 from .access import TOP_TURN
 
-GOALS: Mapping[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
-"""The type of each action that a page shows, by its name."""
-CALLS: Mapping[str, Any] = {each.name: each.type for each in SERVICES if each.name in (
-    'set_mode', 'stop', 'set_leds', 'reset_odometry')}
-"""The types of the services that a page can call."""
+CALLS = ('set_mode', 'stop', 'set_leds', 'reset_odometry')
+"""The services that a page can call."""
 
 
 class MessageError(ValueError):
     """A message is wrong; the text says what is wrong and what is allowed."""
 
-    to = ''
-    """Its type, as far as that is known."""
+    def __init__(self, text: str, to: str = '') -> None:
+        """Take also the message's type, as far as that is known."""
+        super().__init__(text)
+        self.to = to
 
 
 MESSAGES: Mapping[str, Mapping[str, tuple[float, float] | list[Any]]] = {
@@ -44,7 +43,7 @@ MESSAGES: Mapping[str, Mapping[str, tuple[float, float] | list[Any]]] = {
     'record': {'on': [True, False]},
 }
 """Each message of a page's own by its `type`; of each field the limits, or all that is allowed."""
-TYPES = (*MESSAGES, *CALLS, *GOALS)
+TYPES = (*MESSAGES, *CALLS, *ACTION_TYPES)
 
 
 class PageMessage(NamedTuple):
@@ -68,24 +67,28 @@ def read(text: str) -> PageMessage:
     if not isinstance(type_, str) or type_ not in TYPES:
         raise MessageError(f'unknown type; allowed: {", ".join(TYPES)}')
     try:
-        if type_ in GOALS:
-            goal = _message(GOALS[type_].Goal, found, type_)
-            if why := malformed(type_, goal):
-                raise MessageError(f'{type_}: {why}')
-            return PageMessage(type_, found, goal)
-        if type_ in CALLS:
-            return PageMessage(type_, found, _message(CALLS[type_].Request, found, type_))
+        return PageMessage(type_, found, _request(type_, found))
+    except ValueError as error:
+        raise MessageError(str(error), type_) from None
+
+
+def _request(type_: str, found: Mapping[str, Any]) -> Any:
+    """Return what is sent to an action or a service, if any; ValueError: what is wrong."""
+    if type_ in MESSAGES:
         _check(type_, found)
-    except MessageError as error:
-        error.to = type_
-        raise
-    return PageMessage(type_, found)
+        return None
+    if type_ in CALLS:
+        return filled(SERVICE_TYPES[type_].Request(check_fields=True), found, type_)
+    goal = filled(ACTION_TYPES[type_].Goal(check_fields=True), found, type_)
+    if why := malformed(type_, goal):
+        raise ValueError(f'{type_}: {why}')
+    return goal
 
 
 def _check(type_: str, found: Mapping[str, Any]) -> None:
     fields = MESSAGES[type_]
     if found.keys() != fields.keys():
-        raise MessageError(f'{type_}: allowed fields: {", ".join(fields) or "none"}')
+        raise ValueError(f'{type_}: allowed fields: {", ".join(fields) or "none"}')
     for name, allowed in fields.items():
         value = found[name]
         if isinstance(allowed, tuple):
@@ -96,15 +99,7 @@ def _check(type_: str, found: Mapping[str, Any]) -> None:
             choices = [json.dumps(each) for each in allowed]
             fits, words = json.dumps(value) in choices, ' or '.join(choices)
         if not fits:
-            raise MessageError(f'{type_}: {name} is not allowed; allowed: {words}')
-
-
-def _message(type_: Any, fields: Mapping[str, Any], where: str) -> Any:
-    """Return a message of ROS with these fields."""
-    try:
-        return filled(type_(check_fields=True), fields, where)
-    except ValueError as error:
-        raise MessageError(str(error)) from None
+            raise ValueError(f'{type_}: {name} is not allowed; allowed: {words}')
 
 
 def feedback_part(feedback: Any) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from ...ros.collector import subscribe
-from ...ros.driver_client import DriverClient, ENDED, Goal, GoalState, Reply
+from ...ros.driver_client import DriverClient, Goal, GoalState, Reply, SERVICE_TYPES
 from ...ros.velocity import VelocityOutput
 from .live_robot import LiveRobot, PARTS
 from .page_messages import CALLS, feedback_part, PageMessage
@@ -39,11 +39,11 @@ class WebNode(Node):
             name, message, time.monotonic()), odom=NEWEST)
         self.driver = DriverClient(self, DISCOVERY_TIMEOUT)
         for name in CALLS:  # discovery takes a moment: before they are needed
-            self.driver.service(name)
+            self.driver.client(name)
 
     async def call(self, name: str, request: Any = None) -> Reply:
         """Call a service of the driver."""
-        return await self.driver.call(name, request or CALLS[name].Request())
+        return await self.driver.call(name, request or SERVICE_TYPES[name].Request())
 
 
 class NewestGoal:
@@ -64,7 +64,7 @@ class NewestGoal:
 
     def _show(self, goal: Goal) -> None:
         text = '' if goal.reply is None else goal.reply.text
-        if goal.state in ENDED:
+        if goal.reply is not None:
             self._node.robot.happened('error' if goal.state is GoalState.FAILED else '',
                                  f'{goal.name.replace("_", " ")}: {text}', time.monotonic())
         if goal is self._goal:
@@ -75,7 +75,7 @@ class NewestGoal:
 
     def cancel(self, but: int | None = None) -> bool:
         """Cancel the goal that runs, if it is not of a viewer; return whether there is one."""
-        if self._goal is None or self._goal.state in ENDED or self._viewer == but:
+        if self._goal is None or self._goal.reply is not None or self._viewer == but:
             return False
         self._goal.cancel()
         return True

@@ -75,10 +75,6 @@ class Progress(NamedTuple):
     """Character that the infrared receiver receives; 0 for a goal that does not look."""
 
 
-class Malformed(ValueError):
-    """A goal that no robot could follow: what is wrong with it, and what is allowed."""
-
-
 COAST, COAST_SPREAD = 0.35, 0.12
 """Coast, s, that is assumed before it is learned, and its standard deviation. It is longer than
 that of most robots, so that they stop short."""
@@ -213,7 +209,7 @@ class Goal(Pending, ABC):
 def check_finite(name: str, value: float, unit: str) -> None:
     """Refuse a value that is no number."""
     if not isfinite(value):
-        raise Malformed(f'{name} = {value} {unit} is not finite')
+        raise ValueError(f'{name} = {value} {unit} is not finite')
 
 
 def check_range(name: str, value: float, unit: str, least: float, most: float = inf) -> None:
@@ -221,7 +217,7 @@ def check_range(name: str, value: float, unit: str, least: float, most: float = 
     check_finite(name, value, unit)
     if not least - ROUNDING * abs(least) <= value <= most * (1 + ROUNDING):
         allowed = f'{least:g} or more' if most == inf else f'{least:g} to {most:g}'
-        raise Malformed(f'{name} = {value:g} {unit}; allowed: {allowed}')
+        raise ValueError(f'{name} = {value:g} {unit}; allowed: {allowed}')
 
 
 # What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow.

@@ -11,7 +11,6 @@ from .goal import (
     check_range,
     Code,
     DrivingGoal,
-    Malformed,
     MAX_ANGLE,
     MAX_DISTANCE,
     MIN_SPEED,
@@ -79,7 +78,7 @@ class DriveDistance(MotionGoal):
     """Drive straight; a negative distance is backwards."""
 
     def __init__(self, distance: float, speed: float, allowance: float) -> None:
-        """Take metres, m/s and seconds; Malformed says what no robot could follow."""
+        """Take metres, m/s and seconds; ValueError says what no robot could follow."""
         check_range('distance', distance, 'm', -MAX_DISTANCE, MAX_DISTANCE)
         super().__init__(allowance, (distance > 0) - (distance < 0), speed=speed)
         self._distance = distance
@@ -92,7 +91,7 @@ class RotateAngle(MotionGoal):
     """Turn in place, counter-clockwise; any number of turns."""
 
     def __init__(self, angle: float, speed: float, allowance: float) -> None:
-        """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
+        """Take radians, rad/s and seconds; ValueError says what no robot could follow."""
         super().__init__(allowance, turning=speed)
         self.hint = check_angle(angle)
         self._angle = angle
@@ -109,17 +108,17 @@ class DriveArc(MotionGoal):
         """
         Turn by radians, counter-clockwise, on a radius, m, at m/s; seconds that it may take.
 
-        `direction` is 1 for forwards and -1 for backwards. Malformed says what no robot could
+        `direction` is 1 for forwards and -1 for backwards. ValueError says what no robot could
         follow.
         """
         super().__init__(allowance, direction, speed=speed)
         self.hint = check_angle(angle)
         check_finite('radius', radius, 'm')
         if radius <= 0:
-            raise Malformed(f'radius = {radius:g} m; allowed: above 0')
+            raise ValueError(f'radius = {radius:g} m; allowed: above 0')
         check_range('length of the arc', angle * radius, 'm', -MAX_DISTANCE, MAX_DISTANCE)
         if direction not in (1, -1):
-            raise Malformed(f'translate_direction = {direction}; allowed: 1 forward, -1 backward')
+            raise ValueError(f'translate_direction = {direction}; allowed: 1 forward, -1 backward')
         self._angle, self._radius, self._direction = angle, radius, direction
 
     def legs(self) -> Legs:
@@ -135,7 +134,7 @@ class NavigateToPosition(MotionGoal):
         """
         Take a place, m, and a heading, rad, in the frame of the odometry; m/s, rad/s and seconds.
 
-        A heading of None is any. Malformed says what no robot could follow.
+        A heading of None is any. ValueError says what no robot could follow.
         """
         check_range('goal_pose.position.x', x, 'm', -MAX_DISTANCE, MAX_DISTANCE)
         check_range('goal_pose.position.y', y, 'm', -MAX_DISTANCE, MAX_DISTANCE)

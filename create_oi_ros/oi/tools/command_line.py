@@ -19,7 +19,7 @@ from ..packets import PacketList
 from ..readings import PACKETS
 from .capture_format import CaptureError, CaptureReader, records_of
 from .explain import decimal, explain_commands, explain_replies, explain_stream, octets, understood
-from .tables import budget_lines, columns, commands_table, document, packets_table
+from .tables import budget_lines, columns, commands_table, packets_table
 from .text import PACKET_NAMES, parse_commands, plain
 from .transcript import explain_capture
 
@@ -97,14 +97,6 @@ def _commands(options: Namespace, stdin: TextIO) -> Iterator[str]:
     yield columns(commands_table()).rstrip()
 
 
-def _document(options: Namespace, stdin: TextIO) -> Iterator[str]:
-    before = options.page.read_text(encoding='utf-8')
-    after = document(before)
-    if before != after:
-        options.page.write_text(after, encoding='utf-8')
-        yield f'{options.page} written'
-
-
 def _parser() -> ArgumentParser:
     parser = ArgumentParser(
         prog='python -m create_oi_ros.oi',
@@ -120,9 +112,6 @@ def _parser() -> ArgumentParser:
     packets.add_argument('ids', nargs='*', help='list only these, and what streaming them costs')
     packets.set_defaults(work=_packets)
     actions.add_parser('commands', help='list the commands').set_defaults(work=_commands)
-    tables = actions.add_parser('document', help='write the tables into a Markdown page')
-    tables.add_argument('page', type=Path)
-    tables.set_defaults(work=_document)
     return parser
 
 

@@ -1,23 +1,18 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""
-The declarations as tables, for a terminal and for `docs/open_interface.md`.
-
-`python -m create_oi_ros.oi document docs/open_interface.md` writes them into that page.
-"""
+"""The declarations as tables, for a terminal and for docs/open_interface.md."""
 
 from collections.abc import Iterable, Sequence
-from enum import IntEnum, IntFlag
 
 from ...robot import MILLI, SLOT
 from ..codes import START_BAUDS
 from ..commands import COMMANDS
 from ..declaration import Command
-from ..packets import GROUPS, PacketList, size_of
+from ..packets import PacketList
 from ..readings import NAMES, PACKETS
 from ..wire import Wire
-from .markdown import rewritten, Row, table
 
+Row = Sequence[str]
 FORMATS = {'b': 'signed byte', 'B': 'byte', 'h': 'signed word', 'H': 'word'}
 """A word is two bytes, high byte first."""
 
@@ -55,27 +50,6 @@ def packets_table(ids: Iterable[int] = PACKETS) -> list[Row]:
     return rows
 
 
-def groups_table() -> list[Row]:
-    """Return the table of groups."""
-    return [('Group', 'Bytes', 'Contains packets'), *(
-        (str(number), str(size_of(number)), f'{members[0]} - {members[-1]}')
-        for number, members in GROUPS.items())]
-
-
-def codes_table() -> list[Row]:
-    """Return the table of named numbers in commands and packets; the other tables have bits."""
-    used: dict[type[IntEnum] | type[IntFlag], list[str]] = {}
-    wires = [(kind.title, field.wire) for kind in COMMANDS for field in kind.fields]
-    for title, wire in wires + [(packet.title, packet.wire) for packet in PACKETS.values()]:
-        if wire.names is not None and not wire.mask:
-            used.setdefault(wire.names, []).append(title)
-    rows: list[Row] = [('Names', 'Used in', 'Numbers')]
-    for names, titles in used.items():
-        numbers = ', '.join(f'{member.value} {member.name}' for member in names)
-        rows.append((names.__name__, ', '.join(titles), numbers))
-    return rows
-
-
 def budget_lines(packets: PacketList) -> list[str]:
     """Say what streaming a list costs at the baud rates that the robot can start with."""
     lines = []
@@ -94,18 +68,3 @@ def columns(rows: Sequence[Row]) -> str:
     widths = [max(map(len, column)) for column in zip(*rows)]
     return ''.join(
         '  '.join(map(str.ljust, row, widths)).rstrip() + '\n' for row in rows)
-
-
-TABLES = {
-    'commands': commands_table, 'packets': packets_table, 'groups': groups_table,
-    'codes': codes_table,
-}
-LABEL = 'table: '
-
-
-def document(page: str) -> str:
-    """Return a Markdown page with its tables made again; KeyError names an unknown table."""
-    def block(label: str) -> str:
-        heading, *rows = TABLES[label.removeprefix(LABEL)]()
-        return f'\n{table(heading, rows)}\n'
-    return rewritten(page, LABEL + r'\w+', block)

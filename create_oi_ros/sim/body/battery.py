@@ -48,9 +48,6 @@ LOW_SIDE_LIMITS = (0.5, 0.5, 1.5)
 class Battery:
     """Charge in ampere hours, current in amperes (negative discharging), temperature in °C."""
 
-    __slots__ = (
-        'charge', 'current', 'temperature', 'state', 'fault', 'waits', '_trickled', '_hot')
-
     def __init__(self) -> None:
         self.charge = CAPACITY * INITIAL_LEVEL
         self.current = 0.0
@@ -116,9 +113,6 @@ def _voltage_without_load(level: float) -> float:
 
 class Electrics:
     """The battery and everything connected to it. Amperes; duty cycles 0 to 1."""
-
-    __slots__ = ('battery', 'on', 'charging_allowed', 'charger', 'base_powered', 'docked',
-                 'duties', 'loads')
 
     def __init__(self) -> None:
         self.battery = Battery()

@@ -44,9 +44,6 @@ TIME_TOLERANCE = 1e-9
 class Body:
     """A Create's mechanics, sensors and battery."""
 
-    __slots__ = ('config', 'world', '_time', '_deadline', '_mechanics', '_electrics',
-                 '_forced', '_sensed', '_random', '_gyro', '_push_end', '_slip_end')
-
     def __init__(self, world: World, *, rounding: Rounding = Rounding.TRUNCATE, seed: int = 0,
                  config: BodyConfig = DEFAULT_BODY) -> None:
         self.config = config

@@ -30,9 +30,6 @@ TICK_TOLERANCE = 1e-9
 class Wheel:
     """Motor, tyre and encoder. Speeds in m/s, forwards positive."""
 
-    __slots__ = ('target', 'slip', 'grounded', '_held', '_counts_up', '_scale', '_gain',
-                 '_offset', '_config', '_between', '_requests', '_follower')
-
     def __init__(self, config: BodyConfig, scale: float, gain: float, offset: float,
                  slip: float, random: Random) -> None:
         self.target = 0.0
@@ -173,8 +170,6 @@ class Motion(NamedTuple):
 
 class Drivetrain:
     """Both wheels, and the true motion that follows from them."""
-
-    __slots__ = ('right', 'left', '_separation')
 
     def __init__(self, config: BodyConfig, seed: int = 0) -> None:
         self.right = Wheel(config, config.right_wheel_scale, config.right_speed_gain,

@@ -53,10 +53,6 @@ class Truth(NamedTuple):
 class Mechanics:
     """A round body on two driven wheels and a caster."""
 
-    __slots__ = ('wheels', 'surroundings', 'pose', 'distance', 'angle', 'pushed', 'lifted',
-                 'dropped', 'caster_grounded', 'docked', '_encoder_separation', '_travelled',
-                 '_turned', '_lost')
-
     def __init__(self, world: World, config: BodyConfig, rounding: Rounding, seed: int) -> None:
         self.wheels = Drivetrain(config, seed)
         self.surroundings = Surroundings(world)
@@ -181,8 +177,6 @@ class Mechanics:
 
 class Accumulator:
     """A sum of small floats, read as a 16-bit integer and then set to zero."""
-
-    __slots__ = ('total', '_pending', '_rounding')
 
     def __init__(self, rounding: Rounding) -> None:
         self.total = 0.0

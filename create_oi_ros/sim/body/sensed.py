@@ -109,8 +109,6 @@ def clamped(name: str, value: float) -> int:
 class ForcedValues:
     """Sensor values that somebody outside holds in place of the physics, until a time, seconds."""
 
-    __slots__ = ('_values', '_ends')
-
     def __init__(self) -> None:
         # Fields differ in type; `checked` has given each value its field's type.
         self._values: dict[str, Any] = {}

@@ -57,8 +57,6 @@ MAX_PUSHES = 6
 class Surroundings:
     """The part of a world near a round body."""
 
-    __slots__ = ('obstacles', 'floor_everywhere', '_world', '_x', '_y', '_edge_near', '_floor')
-
     def __init__(self, world: World) -> None:
         self._world = world
         self._x = self._y = math.nan

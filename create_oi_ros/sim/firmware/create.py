@@ -25,10 +25,9 @@ from ..body.sensed import Sensed
 from ..numbers import TOLERANCE
 from . import script_waits as scripts
 from . import sensing
-from .actuators import ActuatorState, DARK, Lights, STANDING
+from .actuators import ActuatorState, DARK, Lights, Speaker, STANDING
 from .demo_behaviors import Controls, DemoPlayer
 from .guesses import accepted_command, DEFAULT_GUESSES, Guesses
-from .songs import Speaker
 from .uart import BANNER, Uart
 
 RESET_OPCODE = b'\x07'

@@ -243,8 +243,6 @@ ENDED = object()
 class DemoPlayer:
     """Runs one demo at a time."""
 
-    __slots__ = ('demo', '_behaviour', '_controls', '_selected', '_pressed')
-
     def __init__(self, controls: Controls) -> None:
         self._controls = controls
         self.demo: DemoNumber | None = None

@@ -73,8 +73,6 @@ def packet_values(sensed: Sensed) -> dict[str, int]:
 class Telemetry:
     """Replies to input commands, and the frames of the stream."""
 
-    __slots__ = ('streaming', 'frames', '_body', '_header_in_sum', '_list', '_known', '_take')
-
     def __init__(self, body: Body, checksum: oi.Checksum) -> None:
         self._body = body
         self._header_in_sum = checksum is oi.Checksum.HARDWARE

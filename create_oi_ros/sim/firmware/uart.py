@@ -48,9 +48,6 @@ def resampled(data: bytes, sent_at: int, read_at: int) -> bytes:
 class Uart:
     """The robot's end of the serial line; times are seconds on the robot's clock."""
 
-    __slots__ = ('baud', 'host_baud', '_out', '_wire_free', '_paused_until', '_last_onset',
-                 '_overrun', '_buffer')
-
     def __init__(self, *, overrun: bool, buffer: int) -> None:
         self.baud = DEFAULT_BAUD
         self.host_baud: int | None = None

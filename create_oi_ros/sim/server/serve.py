@@ -167,8 +167,6 @@ PIECE = 128
 class Pacer:
     """One direction of a wire, in seconds; bytes put together arrive in PIECEs, with its last."""
 
-    __slots__ = ('_waiting', '_free')
-
     def __init__(self) -> None:
         self._waiting: deque[tuple[float, bytes, int]] = deque()
         """When bytes have arrived, they, and their rate in bits per second."""

@@ -12,8 +12,6 @@ Point = tuple[float, float]
 class LineSegment:
     """A straight line between two points: a wall without thickness, or a border."""
 
-    __slots__ = ('ax', 'ay', 'ux', 'uy', 'length')
-
     def __init__(self, a: Point, b: Point) -> None:
         self.ax, self.ay = a
         self.length = math.dist(a, b)
@@ -54,8 +52,6 @@ class LineSegment:
 class Disc:
     """A round obstacle."""
 
-    __slots__ = ('x', 'y', 'radius')
-
     def __init__(self, x: float, y: float, radius: float) -> None:
         if not radius > 0:
             raise ValueError(f'radius {radius}; allowed: above 0')
@@ -88,8 +84,6 @@ Obstacle = LineSegment | Disc
 
 class Polygon:
     """A closed region of floor."""
-
-    __slots__ = ('points', 'edges')
 
     def __init__(self, points: Sequence[Point]) -> None:
         if len(points) < 3:
