@@ -19,6 +19,7 @@ from rclpy.task import Future
 
 from .actions import ALL_ACTIONS, malformed
 from .services import SERVICES
+from .waiting import other_user
 
 REPLY_TIMEOUT = 10.0
 """Seconds in which the driver must answer a request, or accept a goal."""
@@ -84,6 +85,11 @@ class DriverClient:
         return Reply(False, f'no driver offers {self.node.resolve_service_name(name)} in ROS '
                             f'domain {self.node.context.get_domain_id()}')
 
+    def unanswered(self, error: TimeoutError) -> Reply:
+        """Return the reply where the driver was found, but has not answered."""
+        why = other_user(self.node)
+        return Reply(False, f'{error}: {why}' if why else str(error))
+
     async def call(self, name: str, request: Any) -> Reply:
         """Call a service of the driver."""
         client = self.service(name)
@@ -93,7 +99,7 @@ class DriverClient:
         try:
             response = await awaited(answer, REPLY_TIMEOUT)
         except TimeoutError as error:
-            return Reply(False, str(error))
+            return self.unanswered(error)
         finally:
             client.remove_pending_request(answer)
         return Reply(bool(response.success), str(response.message), response)
@@ -145,7 +151,7 @@ class Goal:
             handle = await awaited(sent, REPLY_TIMEOUT)
         except TimeoutError as error:  # the driver may still accept it: cancel it then
             sent.add_done_callback(lambda late: late.result().cancel_goal_async())
-            return Reply(False, str(error))
+            return self._driver.unanswered(error)
         if not handle.accepted:
             why = malformed(self.name, self._request) or 'the log of the driver says why'
             return Reply(False, f'rejected as malformed; {why}')
