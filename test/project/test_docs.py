@@ -58,11 +58,23 @@ def test_make_has_every_target_that_is_named() -> None:
                 for target in targets(page.read_text('utf-8')) if target not in TARGETS}
 
 
-def test_make_help_names_every_target() -> None:
-    # Not as a part of the make that may run this test: it would print that it enters a folder.
+def make(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run make: not as a part of one that may run this test, which prints its folder."""
     environment = {name: value for name, value in os.environ.items() if 'MAKE' not in name}
-    shown = subprocess.run(['make', 'help'], cwd=ROOT, text=True, capture_output=True, check=True,
-                           env=environment)
+    return subprocess.run(['make', *arguments], cwd=ROOT, text=True, capture_output=True,
+                          env=environment)
+
+
+def test_make_refuses_a_variable_that_it_does_not_know() -> None:
+    refused = make('-n', 'run', 'port=/dev/ttyUSB0')
+    assert refused.returncode == 2
+    assert 'no variable is called port: allowed are PORT, ARGS, ' in refused.stderr
+    assert make('-n', 'help', 'PORT=/dev/ttyUSB0', 'ARGS=--gyro').returncode == 0
+
+
+def test_make_help_names_every_target() -> None:
+    shown = make('help')
+    assert shown.returncode == 0
     named = {line.split()[1] for line in shown.stdout.splitlines() if line[4:6] != '  '}
     phony = re.search(r'^\.PHONY: (.*)', MAKEFILE, re.MULTILINE)
     assert named == TARGETS == set(phony[1].split())
