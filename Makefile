@@ -5,13 +5,14 @@
 #
 #   make                 build everything; the first time also set up ROS in .venv
 #   make run             a simulated robot, its driver and web page; PORT=/dev/ttyUSB0: a real robot;
-#   make run             with ARGS='--ros-args -p NAME:=VALUE'; ARGS='--host 0.0.0.0': for telephones
+#   make run             with ARGS='--ros-args -p NAME:=VALUE'; ARGS='--host 0.0.0.0': for phones
 #   make demo            a tour of a simulated robot, recorded and reported on: three minutes
 #   make test            build, lint and test, seven minutes; ARGS='FILE -k NAME' runs some tests
 #   make build           the same as make
 #   make nightly         all that takes long: hours; SHARE=0.1: a tenth of it; ARGS as above
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
+#   make pictures        draw the pictures of the documents again: a minute
 #   make bench           measure latency and cost: 20 minutes, on a quiet machine
 #   make bench-odometry  measure the odometry
 #   make bench-goals     measure how exact goals are
@@ -20,7 +21,7 @@
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test nightly build bench bench-odometry bench-goals docs lint size clean
+.PHONY: help run demo test nightly build bench bench-odometry bench-goals docs pictures lint size clean
 
 # A misspelt variable must not start something else.
 KNOWN := PORT ARGS SHARE PYTHON CC CXX
@@ -45,7 +46,8 @@ build: $(BUILT)
 bench: build $(TESTS) ; @$(ENTER) for each in latency cost web; do python bench/bench_$$each.py || exit; done
 bench-odometry: build $(TESTS) ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 bench-goals: build $(TESTS) ; @$(ENTER) python bench/bench_goals.py $(ARGS)
-docs: build $(TESTS) ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/gyro.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf && python bench/draw_odometry.py && python bench/draw_lidar.py
+docs: build $(TESTS) ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/gyro.md bench/RESULTS.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf
+pictures: build $(TESTS) ; @$(ENTER) python bench/draw_odometry.py && python bench/draw_lidar.py
 lint: $(TESTS) ; @.venv/bin/ruff check --quiet $$(git ls-files '*.py') && .venv/bin/mypy --no-error-summary
 size: ; @python3 tools/size.py
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log *.egg-info .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -249,7 +249,7 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
         'write every byte of the serial line to FILE, to be sent with a bug report'))
     parser.add_argument('--host', help=(
         'address on which the web page is served (default: 127.0.0.1, this computer only); '
-        '0.0.0.0: also for telephones in your network, with a token'))
+        '0.0.0.0: also for phones in your network, with a token'))
     parser.add_argument('--token-file', metavar='FILE', help=(
         'keep the token of the web page in FILE, so that it lasts'))
     plain, ros = split(given)

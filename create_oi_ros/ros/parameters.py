@@ -230,7 +230,7 @@ def declare(node: Node) -> Parameters:
         elif name.startswith(QOS_OVERRIDES):
             node.get_logger().warning(
                 f'parameter {name} cannot be overridden and is ignored: of a publisher of this '
-                'node, history, depth and reliability can; a latched topic stays reliable')
+                'node, history, depth and reliability can; a transient local one stays reliable')
         elif name.startswith(OF_ROS):
             continue
         else:

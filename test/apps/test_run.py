@@ -58,7 +58,7 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     second = stage.program('create_run', '--port', '/dev/null')
     assert second.ended() == 2
     assert f'/create runs already in ROS domain {stage.domain}' in second.output
-    assert 'for telephones in your network, too, add --host 0.0.0.0\n' in run.output
+    assert 'for phones in your network, too, add --host 0.0.0.0\n' in run.output
     children = children_of(run.pid)
     assert len(children) == 3
     run.send(signal.SIGINT)
@@ -76,7 +76,7 @@ def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
     assert "python '/home/me/my clone/examples/drive.py'\n" in text
 
 
-def test_what_follows_ros_args_is_for_the_node_and_telephones_drive_it_in_its_namespace(stage):
+def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_in_its_namespace(stage):
     (stage.folder / 'my.yaml').write_text('/**:\n  ros__parameters:\n    bump_stop: forward\n')
     kept = stage.folder / 'token'
     kept.write_text('a_token_that_lasts_long')
@@ -286,7 +286,7 @@ def test_why_no_robot_answers_is_shown_until_one_does(message, shown):
     link.status[0].values = [KeyValue(key='port', value=PORT)]
     status.take(link)
     assert f'NO ROBOT  {shown}' in status.line()
-    assert status.line(200).endswith(message.replace(PORT, 'port')), 'a wide terminal has room'
+    assert message.replace(PORT, 'port') in status.line(200), 'a wide terminal has room'
     status.take(diagnostics('serial link', DiagnosticStatus.OK, 'frames arrive'))
     assert 'NO ROBOT  no robot answers' in status.line()
 
