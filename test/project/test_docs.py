@@ -117,7 +117,6 @@ def test_what_the_page_names_exists():
 
 
 README = (ROOT / 'README.md').read_text('utf-8')
-INTERFACE = (ROOT / 'docs' / 'interface.md').read_text('utf-8')
 LOG_LINE = re.compile(r'`([^`]*\.\.\.[^`]*)`')
 
 
@@ -126,13 +125,6 @@ def test_generated_blocks_are_made_from_the_code():
         text = (ROOT / name).read_text('utf-8')
         assert all(f'<!-- {label} -->' in text for label in labels)
         assert rewritten(text) == text, 'run `make docs`'
-
-
-def test_the_scripts_in_the_page_are_the_examples():
-    for name in ('drive.py', 'square.py'):
-        text = (ROOT / 'examples' / name).read_text()
-        program = re.sub(r'\A(#.*\n)+\n*', '', text)  # without copyright and licence
-        assert f'```python\n{program}```' in INTERFACE
 
 
 def test_the_container_starts_what_the_pages_start():
