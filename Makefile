@@ -5,13 +5,14 @@
 #
 #   make                 build everything; the first time also set up ROS in .venv
 #   make run             a simulated robot, its driver and web page; PORT=/dev/ttyUSB0: a real robot;
-#   make run             with ARGS='--ros-args -p NAME:=VALUE'; ARGS='--host 0.0.0.0': for telephones
+#   make run             with ARGS='--ros-args -p NAME:=VALUE'; ARGS='--host 0.0.0.0': for phones
 #   make demo            a tour of a simulated robot, recorded and reported on: three minutes
 #   make test            build, lint and test, seven minutes; ARGS='FILE -k NAME' runs some tests
 #   make build           the same as make
 #   make nightly         all that takes long: hours; SHARE=0.1: a tenth of it; ARGS as above
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
+#   make pictures        draw the pictures of the documents again: a minute
 #   make bench           measure latency and cost: 20 minutes, on a quiet machine
 #   make bench-odometry  measure the odometry
 #   make bench-goals     measure how exact goals are
@@ -20,7 +21,12 @@
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test nightly build bench bench-odometry bench-goals docs lint size clean
+.PHONY: help run demo test nightly build bench bench-odometry bench-goals docs pictures lint size clean
+
+# A misspelt variable must not start something else.
+KNOWN := PORT ARGS SHARE PYTHON CC CXX
+UNKNOWN := $(filter-out $(KNOWN) -%,$(foreach each,$(.VARIABLES),$(if $(filter command,$(origin $(each))),$(each))))
+$(if $(UNKNOWN),$(error no variable is called $(UNKNOWN): allowed are $(KNOWN)))
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -40,8 +46,9 @@ build: $(BUILT)
 bench: build $(TESTS) ; @$(ENTER) for each in latency cost web; do python bench/bench_$$each.py || exit; done
 bench-odometry: build $(TESTS) ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 bench-goals: build $(TESTS) ; @$(ENTER) python bench/bench_goals.py $(ARGS)
-docs: build $(TESTS) ; @$(ENTER) PYTHONPATH=bench:$$PYTHONPATH python tools/document.py config/create.yaml config/sros2_policy.xml docs/*.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf && python bench/draw_odometry.py && python bench/draw_lidar.py
-lint: $(TESTS) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
+docs: build $(TESTS) ; @$(ENTER) PYTHONPATH=bench:$$PYTHONPATH python tools/document.py config/create.yaml config/sros2_policy.xml docs/*.md bench/RESULTS.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf
+pictures: build $(TESTS) ; @$(ENTER) python bench/draw_odometry.py && python bench/draw_lidar.py
+lint: $(TESTS) ; @.venv/bin/ruff check --quiet $$(git ls-files '*.py') && .venv/bin/mypy --no-error-summary
 size: ; @python3 tools/size.py
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log *.egg-info .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 

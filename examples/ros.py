@@ -11,6 +11,7 @@ What the command ros2 does, by rclpy: list, echo a topic, call a service, set a 
 import argparse
 import importlib
 import signal
+import sys
 import time
 from typing import Any
 
@@ -23,6 +24,9 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 import yaml
+
+from create_oi_ros.ros.messages import filled
+from create_oi_ros.ros.waiting import say_if_waiting, waits_for
 
 WAIT = 3.0
 """Seconds in which others are found, and answer."""
@@ -41,18 +45,37 @@ def imported(kind: str) -> Any:
     return getattr(importlib.import_module(f'{package}.{folder}'), name)
 
 
-def fill(message: Any, values: dict[str, Any]) -> Any:
-    """Set the fields of a message; those of messages in it by a dictionary each."""
-    for name, value in values.items():
-        inner = getattr(message, name)
-        setattr(message, name, fill(inner, value) if isinstance(value, dict) else value)
-    return message
+def plain(value: Any) -> Any:
+    """Return a message as a dictionary, and a list of any kind as a list."""
+    if hasattr(value, 'get_fields_and_field_types'):
+        return {name: plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, (bool, int, float, str, bytes)):
+        return value
+    return [plain(each) for each in value]
 
 
-def asked(node: Node, future: rclpy.task.Future) -> Any:
-    """Return an answer."""
+def show(message: Any) -> None:
+    """Print a message as YAML."""
+    print(yaml.safe_dump(plain(message), sort_keys=False, allow_unicode=True), flush=True, end='')
+
+
+def request_of(kind: str, text: str) -> Any:
+    """Return a request with the fields in a text; ValueError: it is no YAML, or does not fit."""
+    try:
+        fields = yaml.safe_load(text or '{}')
+    except yaml.YAMLError:
+        fields = None
+    if not isinstance(fields, dict):
+        raise ValueError(f"{text!r} is no YAML of the form '{{field: value}}'")
+    return filled(imported(kind).Request(check_fields=True), fields, kind)
+
+
+def answer(node: Node, future: rclpy.task.Future) -> Any:
+    """Return an answer; SystemExit says why none has come."""
     rclpy.spin_until_future_complete(node, future, timeout_sec=WAIT)
-    return future.result() if future.done() else 'no answer: is the ROS_DOMAIN_ID the same?'
+    if not future.done():
+        sys.exit(waits_for(node, 'an answer', WAIT) or f'no answer within {WAIT:g} s')
+    return future.result()
 
 
 def main() -> None:
@@ -73,9 +96,16 @@ def main() -> None:
             kind = found(node, False).get(topic)
             if kind is None:
                 parser.error(f'nobody publishes {topic}: see list')
+            came: list[Any] = []
+
+            def echo(message: Any) -> None:
+                came[:] = [message]
+                show(message)
+                print('---', flush=True)
             offered = node.get_publishers_info_by_topic(topic)[0].qos_profile
-            node.create_subscription(imported(kind), topic, print, QoSProfile(
+            node.create_subscription(imported(kind), topic, echo, QoSProfile(
                 depth=10, reliability=offered.reliability, durability=offered.durability))
+            say_if_waiting(node, topic, lambda: not came, lambda why: print(why, file=sys.stderr))
             # Ctrl-C is only noted from here on: an exception could come amid a message.
             ended: list[str] = []
             signal.signal(signal.SIGINT, lambda *_: ended.append('Ctrl-C'))
@@ -86,14 +116,22 @@ def main() -> None:
             kind = found(node, True).get(service)
             if kind is None:
                 parser.error(f'nobody offers {service}: see list')
-            request = fill(imported(kind).Request(), yaml.safe_load(''.join(fields) or '{}'))
-            print(asked(node, node.create_client(imported(kind), service).call_async(request)))
+            try:
+                request = request_of(kind, ' '.join(fields))
+            except ValueError as error:
+                parser.error(str(error))
+            show(answer(node, node.create_client(imported(kind), service).call_async(request)))
         case 'set', [name, parameter, value]:
             client = AsyncParameterClient(node, name)
-            client.wait_for_services(WAIT)
+            if not client.wait_for_services(WAIT):
+                parser.error(f'no node {name} is found: see list')
+            known = answer(node, client.list_parameters()).result.names
+            if parameter not in known:
+                parser.error(f'{name} has no parameter {parameter}; it has {", ".join(known)}')
             message = Parameter.from_parameter_msg(
                 ParameterMessage(name=parameter, value=get_parameter_value(value)))
-            print(asked(node, client.set_parameters([message])))
+            for result in answer(node, client.set_parameters([message])).results:
+                show(result)
         case _:
             parser.error(f'{given.what} takes other arguments: see --help')
 

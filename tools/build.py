@@ -18,6 +18,8 @@ from step import clock, interruptible, step
 
 VENV = Path('.venv').resolve()
 MESSAGES = 'create_oi_msgs'
+UNFINISHED = Path('build').resolve() / 'unfinished'
+"""A file that is there while a build runs, and after one that was cut short."""
 
 
 def wheels_environment() -> Mapping[str, str]:
@@ -49,14 +51,15 @@ def interfaces(folder: Path) -> set[str]:
             for path in folder.glob(f'{kind}/*.{kind}')}
 
 
-def forget_removed() -> None:
+def forget_stale() -> None:
     """
-    Remove the built messages if one of their files has been removed since.
+    Remove the built messages if one of their files has been removed, or a build was cut short.
 
-    Else rosidl keeps the code that joins them to Python, and no node could load any message.
+    Else rosidl keeps the code that joins them to Python, and no node could load any message; or
+    make takes half a file for a whole one.
     """
     built = Path('install', MESSAGES, 'share', MESSAGES)
-    if interfaces(built) - interfaces(Path('msg_defs')):
+    if UNFINISHED.exists() or interfaces(built) - interfaces(Path('msg_defs')):
         for base in ('build', 'install'):
             shutil.rmtree(Path(base, MESSAGES), ignore_errors=True)
 
@@ -84,13 +87,16 @@ def main(kind: str) -> None:
     """Run colcon."""
     began = time.monotonic()
     paths = base_paths(kind)
-    forget_removed()
+    forget_stale()
+    UNFINISHED.parent.mkdir(parents=True, exist_ok=True)
+    UNFINISHED.touch()
     print(f'build: {len(paths)} packages with colcon (log/build.log)', flush=True)
     step(['colcon', 'build', '--base-paths', *paths, '--symlink-install',
           '--build-base', Path('build').resolve(), '--install-base', Path('install').resolve(),
           '--cmake-args', '-Wno-dev', '-DBUILD_TESTING=OFF'],
          'build.log', 'the build failed', wheels_environment() if kind == 'wheels' else None,
          progress=counting(len(paths)))
+    UNFINISHED.unlink()
     print(f'build: done in {clock(began)}', flush=True)
 
 

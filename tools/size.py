@@ -13,7 +13,7 @@ GOALS = {
     'create_oi_ros/apps': (3500, None), 'create_oi_ros/sim': (5100, None),
     'test': (20_000, None), 'bench': (2000, None)}
 """Lines and files of Python at most."""
-WORDS, README_WORDS = 21_000, 900
+WORDS, README_WORDS = 20_000, 900
 
 
 def tracked(folder: str, ending: str) -> list[str]:

@@ -17,6 +17,7 @@ import re
 from shlex import quote
 import shutil
 import socket
+from subprocess import DEVNULL
 import sys
 import tempfile
 import time
@@ -32,7 +33,7 @@ from ..ros.messages import mode_name, yaw_of
 from ..ros.node_arguments import names_only, refusal, split
 from ..ros.process import call_on_signal, Children, ros_executor, spin_until
 from ..ros.programs import check_environment, UserError
-from ..ros.waiting import announce
+from ..ros.waiting import announce, drivers
 from ..sim.world_files import read_world, shipped_names, WorldError
 
 WORLD = 'apartment'
@@ -42,7 +43,7 @@ SHOWN = ('odom', 'mode', 'battery_state', 'bumper', 'diagnostics')
 MOST_EVENTS = 100
 """Events of a kind that are kept; a line shows those of a second."""
 WIDTH = 80
-"""Columns of the status line at most."""
+"""Columns of the status line at most, where there is no terminal."""
 CLEAR = '\r\x1b[K'
 """Go to the begin of the line, and clear it."""
 LOG_FORMAT = 'RCUTILS_CONSOLE_OUTPUT_FORMAT'
@@ -89,26 +90,26 @@ class RobotStatus:
         port = self._collector.link.get('port')
         return str(link.message.replace(port, 'port', 1) if port else link.message)
 
-    def line(self, now: float) -> str:
+    def line(self, now: float, width: int = WIDTH) -> str:
         """Return the line, and begin the next second; the pose of a robot is always in it."""
         motion, mode = self._motion(), self._collector.newest.get('mode')
         name = 'no node yet' if mode is None else f'{mode_name(mode.mode, mode.reason):7s}'
         robot = mode is None or mode.mode != Mode.UNKNOWN
         pose = 2 if robot else 0  # parts of the motion that are the pose
-        said = (*motion[:pose], *self._remarks())
+        said = (*motion[:pose], *self._remarks(width))
         line = '  '.join((f'{self._frames:2d} frames/s', name, *said))
-        if len(line) > WIDTH:
+        if len(line) > width:
             line = '  '.join((name.rstrip(), *said))
-        if len(line) > WIDTH:
-            line = f'{line[:WIDTH - 3]}...'
+        if len(line) > width:
+            line = f'{line[:width - 3]}...'
         for text in motion[pose:]:
-            if len(line) + 2 + len(text) > WIDTH:
+            if len(line) + 2 + len(text) > width:
                 break
             line += f'  {text}'
         self._frames, self._line_at = 0, now
         return line.rstrip()
 
-    def _remarks(self) -> list[str]:
+    def _remarks(self, width: int) -> list[str]:
         """Return what is unusual, the most important first."""
         sides, mode = self._bumped(), self._collector.newest.get('mode')
         remarks = [f'BUMP {sides}'] if sides else []
@@ -117,7 +118,7 @@ class RobotStatus:
             remarks.append((self._no_robot() if unknown else '') or mode.reason)
         # No robot answers: all else follows from that.
         elif mode is not None:
-            remarks += map(gist, self._troubles())
+            remarks += [gist(each, width // 2) for each in self._troubles()]
         return remarks
 
     def _motion(self) -> list[str]:
@@ -133,9 +134,9 @@ class RobotStatus:
                 f'{twist.linear.x:+.2f} m/s', f'{twist.angular.z:+.2f} rad/s']
 
 
-def gist(message: str) -> str:
+def gist(message: str, width: int) -> str:
     """Return a long message without its advice: the first clause, and what brackets add to it."""
-    if len(message) <= WIDTH // 2:
+    if len(message) <= width:
         return message
     added = re.search(r' \([^()]*\)$', message)
     return message.partition(', ')[0] + (added[0] if added else '')
@@ -160,11 +161,16 @@ def status_line() -> Iterator[None]:
         print(flush=True)
 
 
+def width() -> int:
+    """Return how many columns there are for the line."""
+    columns = os.get_terminal_size(sys.stdout.fileno()).columns if on_terminal() else 0
+    return columns - 1 if columns else WIDTH
+
+
 def show(line: str) -> None:
     """Show the line: in place on a terminal, as a line of its own elsewhere."""
     if on_terminal():
-        columns = os.get_terminal_size(sys.stdout.fileno()).columns or WIDTH
-        print(f'{CLEAR}{line[:columns - 1]}', end='\r', flush=True)
+        print(f'{CLEAR}{line}', end='\r', flush=True)
     else:
         print(line, flush=True)
 
@@ -185,6 +191,9 @@ def introduction(port: str, simulated: bool, namespace: str = '') -> str:
         lines += ['then drive it and watch its odometry:', f'    python {example}{join}']
     if shutil.which('ros2') is not None:
         lines += ['Watch a topic:', f'    ros2 topic echo {namespace}/bumper']
+    if simulated:
+        lines += ['Change its world; `help` lists how:',
+                  f'    create_sim --control {port}.control --say "bump left 0.5"']
     return '\n'.join([
         *lines, 'Or see and drive it in a browser, at the address that is printed below.',
         'Ctrl-C stops the robot and everything here.'])
@@ -195,7 +204,7 @@ def _watch(children: Children, ended: Future, names: list[str], driver: str) -> 
     def look() -> None:
         why = children.ended()
         if why is None:
-            show(status.line(time.monotonic()))
+            show(status.line(time.monotonic(), width()))
         else:
             print(f'create_run: {why}; see above for why', file=sys.stderr)
             ended.set_result(1)
@@ -286,13 +295,14 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
         'write every byte of the serial line to FILE, to be sent with a bug report'))
     parser.add_argument('--host', help=(
         'address on which the web page is served (default: 127.0.0.1, this computer only); '
-        '0.0.0.0: also for telephones in your network, with a token'))
+        '0.0.0.0: also for phones in your network, with a token'))
     parser.add_argument('--token-file', metavar='FILE', help=(
         'keep the token of the web page in FILE, so that it lasts'))
     plain, ros = split(given)
     options, unknown = parser.parse_known_args(plain)
     if unknown:
-        parser.error(refusal(unknown))
+        parser.error(refusal(unknown, [
+            f'--{name.replace("_", "-")}' for name in vars(options)]))
     for name, value in vars(options).items():
         if value == '':
             parser.error(f'--{name.replace("_", "-")} is empty: give a value, or leave it out')
@@ -312,8 +322,10 @@ def _start(children: Children, port: str, options: argparse.Namespace) -> None:
     page += [] if options.token_file is None else ['--token-file', options.token_file]
     if options.port is None:
         control = f'{port}.control'
+        # What it prints is for those who start a driver by hand.
         children.start('create_sim', '--link', port, '--world', options.world or WORLD,
-                       '--control', control, *(['--gyro'] if options.gyro else []))
+                       '--control', control, *(['--gyro'] if options.gyro else []),
+                       stdout=DEVNULL)
         page += ['--control', control]
         if options.lidar:
             children.start('create_lidar', '--control', control, '--ros-args',
@@ -323,6 +335,16 @@ def _start(children: Children, port: str, options: argparse.Namespace) -> None:
     gyro = ['-p', 'gyro:=analog'] if options.gyro else []
     children.start('create_node', '--ros-args', *gyro, *options.ros, '-p', f'port:={quoted(port)}',
                    *capture)
+
+
+def refuse_second(domain: int, name: str) -> None:
+    """UserError: a driver of this name runs in this ROS domain; both would obey each command."""
+    if any((each.domain, each.name) == (domain, name) for each in drivers()):
+        raise UserError(
+            f'{name} runs already in ROS domain {domain} on this computer, and two drivers there '
+            'would follow the same cmd_vel: end the other one, or start this one in a shell '
+            'without ROS_DOMAIN_ID (`unset ROS_DOMAIN_ID`), in another domain, or in a namespace '
+            '(--ros-args -r __ns:=/robot2)')
 
 
 def quoted(text: str) -> str:
@@ -343,6 +365,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         port = options.port or f'{stack.enter_context(run_folder())}/create'
         if options.port is None:
             stack.enter_context(run_domain())
+        refuse_second(int(os.environ.get('ROS_DOMAIN_ID') or 0), f'{namespace}/create')
         print(introduction(port, options.port is None, namespace), flush=True)
         stack.callback(children.end)
         stack.enter_context(status_line())

@@ -249,11 +249,11 @@ class Connection:
         at = TRIED if self._searching else str(self.baud)
         if len(self._garbage) == GARBAGE_LIMIT:
             shown = ' '.join(str(byte) for byte in self._garbage[:12])
-            rate = '' if self._searching else f', or another baud rate (`baud: 0` tries {TRIED})'
+            rate = '' if self._searching else f', or another baud rate (baud 0 tries {TRIED})'
             return (f'something sends on the port, but not like a Create at {at} baud (it sent '
                     f'{shown} ...): if it is a Create, switch it off and on; is it another '
                     f'device{rate}? The driver keeps calling')
-        hint = '' if self._searching else f'; the parameter `baud: 0` tries {TRIED}'
+        hint = '' if self._searching else f'; baud 0 tries {TRIED}'
         return (f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
                 f'serial cable, plugged in all the way{hint}? The driver keeps calling')
 

@@ -181,7 +181,8 @@ class Modes:
             return self.wrong_mode()
         if not self._core.outbox.busy:
             self._core.notice(
-                Severity.INFO, f'{status.reason} is gone: entering {status.wanted.name} again')
+                Severity.INFO, f'clear again (was: {status.reason}): entering '
+                f'{status.wanted.name} again')
             self.enter(now)
         return None
 

@@ -193,8 +193,7 @@ class Tracking:
         self._reported = robot.likeliest
         known = 'the odometry knows this robot now' if before is None else (
             'this robot is another than the odometry thought; it has learned')
-        said = '; '.join(f'{what}: {answer}' for what, answer in in_words(robot).items())
-        self._core.notice(Severity.INFO, f'{known}: {said}')
+        self._core.notice(Severity.INFO, f'{known}: /diagnostics has its numbers')
 
     def restart(self) -> None:
         """Continue after frames were missed."""

@@ -176,9 +176,9 @@ def _advice(url: str, error: Exception) -> str:
     if code == errno.ENOENT and '://' not in url:
         there = sorted(path for pattern in CANDIDATES for path in glob(pattern))
         found = f'there are {", ".join(there)}' if there else 'no serial port was found at all'
-        return f'{url} does not exist; {found}: is the cable in? set the parameter `port`'
+        return f'{url} does not exist; {found}: is the cable in? or give another port'
     if code in (errno.ENOTTY, errno.EISDIR):
-        return f'{url} is no serial port; give a device such as /dev/ttyUSB0 as `port`'
+        return f'{url} is no serial port; give a device such as /dev/ttyUSB0'
     if code in (errno.EACCES, errno.EPERM):
         user = os.environ.get('USER', '$USER')
         return f'{url}: no permission; `sudo usermod -aG dialout {user}`, then log in again'

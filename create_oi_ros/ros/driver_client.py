@@ -18,6 +18,7 @@ from rclpy.task import Future
 
 from .actions import ALL_ACTIONS, malformed
 from .services import SERVICES
+from .waiting import other_user
 
 REPLY_TIMEOUT = 10.0
 """Seconds in which the driver must answer a request, or accept a goal."""
@@ -84,6 +85,11 @@ class DriverClient:
         raise TimeoutError(f'no driver offers {self.node.resolve_service_name(name)} in ROS '
                            f'domain {self.node.context.get_domain_id()}')
 
+    def unanswered(self, error: TimeoutError) -> Reply:
+        """Return the reply where the driver was found, but has not answered."""
+        why = other_user(self.node)
+        return Reply(False, f'{error}: {why}' if why else str(error))
+
     async def call(self, name: str, request: Any) -> Reply:
         """Call a service of the driver."""
         try:
@@ -94,7 +100,7 @@ class DriverClient:
             finally:
                 self.client(name).remove_pending_request(answer)
         except TimeoutError as error:
-            return Reply(False, str(error))
+            return self.unanswered(error)
         return Reply(bool(response.success), str(response.message), response)
 
 
@@ -126,7 +132,7 @@ class Goal:
         try:
             self.reply = await self._pursue()
         except TimeoutError as error:
-            self.reply = Reply(False, str(error))
+            self.reply = self._driver.unanswered(error)
         self._become(GoalState.REACHED if self.reply.ok else
                      GoalState.CANCELED if self._canceled else GoalState.FAILED)
         return self.reply

@@ -10,6 +10,7 @@ So rclpy must not handle signals: it would shut ROS down before the cancel is se
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping
 import sys
+import time
 from types import TracebackType
 from typing import Any, TypeVar
 
@@ -17,11 +18,19 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import ok
 
-from .driver_client import ACTION_TYPES, DriverClient, Goal, GoalState, Reply, SERVICE_TYPES
+from .driver_client import (
+    ACTION_TYPES,
+    DriverClient,
+    Goal,
+    GoalState,
+    LOOK_INTERVAL,
+    Reply,
+    SERVICE_TYPES,
+)
 from .messages import filled
 from .process import end_in_time, stop_signals_as_ctrl_c
 from .programs import INTERRUPTED
-from .waiting import DISCOVERY_TIMEOUT, say_if_waiting
+from .waiting import DISCOVERY_TIMEOUT, waits_for
 
 Result = TypeVar('Result')
 SPIN_INTERVAL = 0.02
@@ -104,14 +113,13 @@ class GoalClient:
         if self._goal is not None and not self.is_complete():
             raise GoalFailed(f'{self._goal.name} still runs: wait until is_complete(), or '
                              'cancel()')
-        self._say_if_waiting('action', name)
         accepted = asyncio.Event()
         self._goal = Goal(self._driver, name, request, lambda _: accepted.set())
 
         async def begin() -> None:
             assert self._goal is not None
             self._pursued = asyncio.create_task(self._goal.pursue())
-            await accepted.wait()
+            await self._answered(f'the action {name}', accepted.wait())
         self._run(begin())
         if self._goal.state is GoalState.FAILED:
             self.result()
@@ -136,8 +144,8 @@ class GoalClient:
     def call(self, name: str, **fields: Any) -> Any:
         """Call the service with this name; return its reply, or raise GoalFailed."""
         request = _message(SERVICE_TYPES, 'service', name, fields, 'Request')
-        self._say_if_waiting('service', name)
-        return _checked(name, self._run(self._driver.call(name, request)))
+        return _checked(name, self._run(self._answered(
+            f'the service {name}', self._driver.call(name, request))))
 
     def _run(self, work: Coroutine[Any, Any, Result]) -> Result:
         """Let a coroutine run to its end while rclpy runs; KeyboardInterrupt: Ctrl-C."""
@@ -168,11 +176,19 @@ class GoalClient:
             self._goal.cancel()
         return self._ended(CANCEL_TIMEOUT)
 
-    def _say_if_waiting(self, what: str, name: str) -> None:
-        if not self._driver.offered(name):
-            say_if_waiting(
-                self.node, f'the {what} {name}', lambda: not self._driver.offered(name),
-                lambda why: print(f'{self._name}: {why}', file=sys.stderr, flush=True))
+    async def _answered(self, what: str, work: Coroutine[Any, Any, Result]) -> Result:
+        """Wait for an answer of the driver; say once why it may not come."""
+        answer, began, said = asyncio.create_task(work), time.monotonic(), None
+        try:
+            while said is None and not answer.done():
+                await asyncio.wait([answer], timeout=LOOK_INTERVAL)
+                said = None if answer.done() else waits_for(
+                    self.node, what, time.monotonic() - began)
+            if said is not None:
+                print(f'{self._name}: {said}', file=sys.stderr, flush=True)
+            return await answer
+        finally:
+            answer.cancel()
 
 
 def _message(types: Mapping[str, Any], what: str, name: str, fields: Mapping[str, Any],

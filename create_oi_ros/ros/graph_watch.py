@@ -36,6 +36,8 @@ class GraphWatch:
         self._topic = node.resolve_topic_name(CMD_VEL)
         self._warn = warn
         self._warned: set[str] = set()
+        self._drivers = 0
+        """Publishers of `mode`, ours among them."""
         self._modes: dict[str, Subscription | None] = {}
         """Subscriptions to other drivers, by the names of their topics `mode`; None: refused."""
         self._base_frames: dict[str, str] = {}
@@ -43,8 +45,13 @@ class GraphWatch:
         self.publishers: tuple[str, ...] = ()
         """Nodes that publish `cmd_vel` with the right type, sorted."""
 
-    def check(self) -> None:
-        """Look at the graph, and warn of new mistakes; called once a second."""
+    def check(self) -> bool:
+        """
+        Look at the graph, and warn of new mistakes; called once a second.
+
+        Return whether another driver with our topics has ended: what it published last may be
+        what subscribers hold for ours.
+        """
         warnings = {*self._wrong_types(), *self._other_topics()}
         own, domain = self._node.get_fully_qualified_name(), self._node.context.get_domain_id()
         names = self._node.get_fully_qualified_node_names()
@@ -54,6 +61,8 @@ class GraphWatch:
         for warning in sorted(warnings - self._warned):
             self._warn(warning)
         self._warned = warnings
+        before, self._drivers = self._drivers, self._node.count_publishers(topics.MODE.name)
+        return self._drivers < before
 
     def _wrong_types(self) -> Iterator[str]:
         found = self._node.get_publishers_info_by_topic(self._topic)

@@ -166,7 +166,10 @@ class CreateNode(Node):
 
     def _watch_and_report(self) -> None:
         """Look for mistakes in the graph and for lost clients; publish the diagnostics."""
-        self._graph.check()
+        if self._graph.check():
+            with self.session.request() as (driver, _now):
+                self._publish_mode(driver.status)
+                self._frames.repeat()
         self._actions.check_clients()
         self._check_time()
         if self._diagnostics.get_subscription_count() and self._stamps.now() is not None:

@@ -5,12 +5,13 @@
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Sequence
 from dataclasses import fields
+from difflib import get_close_matches
 import textwrap
 
 from rclpy.utilities import remove_ros_args
 
 from .. import __version__
-from .parameters import allowed, Parameters, shown, suggestion
+from .parameters import allowed, Parameters, shown
 
 WIDTH = 96
 NODE = 'create'
@@ -69,16 +70,19 @@ def parameter_help() -> str:
     return '\n'.join(lines)
 
 
-def refusal(unknown: Sequence[str]) -> str:
-    """Say that an argument is not known, and how to write what may be meant."""
+def refusal(unknown: Sequence[str], options: Sequence[str] = ('--help', '--version')) -> str:
+    """Say that an argument is none of the program's options, and how to write what is meant."""
     first = unknown[0]
     if first in ROS_FLAGS or ':=' in first:
         flag = '' if first in ROS_FLAGS else '-p '
         return f'{first} is for ROS: write --ros-args {flag}{" ".join(unknown)}'
-    name, _, value = first.lstrip('-').partition('=')
-    known = [declared.name for declared in fields(Parameters)]
-    name = name.replace('-', '_')
+    option, _, value = first.partition('=')
+    name = option.lstrip('-').replace('-', '_')
+    known = {declared.name: f'--ros-args -p {declared.name}:=VALUE'
+             for declared in fields(Parameters)}
     if name in known:
         value = value or (unknown[1] if len(unknown) > 1 else 'VALUE')
         return f'{first} is a parameter: write --ros-args -p {name}:={value}'
-    return f'unknown argument {first}{suggestion(name, [*known, "help", "version"])}'
+    known |= {each.lstrip('-').replace('-', '_'): each for each in options}
+    near = get_close_matches(name, known, 1)
+    return f'unknown argument {first}' + (f': did you mean {known[near[0]]}?' if near else '')

@@ -5,7 +5,7 @@ The file of what the odometry knows of a robot: parameter `odometry_model`.
 
 The node reads it at start, and writes it on request and at the end. It is YAML that people can
 read: hypotheses of the wheels with their probabilities, and numbers with their standard
-deviations. docs/robot_check.md describes it.
+deviations. docs/calibration.md describes it.
 """
 
 from collections.abc import Mapping

@@ -59,8 +59,8 @@ class Parameters:
         Settings.recover_mode, 'Whether a fresh velocity command brings back a mode that a cliff, '
         'a wheel drop or a charger ended, once its cause has been gone for a second')
     cmd_vel_timeout: float = parameter(
-        MotionLimits.timeout, 'Seconds after the last velocity command at which the wheels stop',
-        low=0.05, high=10.0, live=True)
+        MotionLimits.timeout, 'Watchdog: seconds after the last velocity command at which the '
+        'wheels stop', low=0.05, high=10.0, live=True)
     cmd_vel_type: str = parameter(
         'auto', 'Message of cmd_vel: geometry_msgs/Twist, TwistStamped, or auto: Twist until all '
         'publishers send TwistStamped, and back', choices=('auto', 'twist', 'stamped'))
@@ -70,11 +70,11 @@ class Parameters:
         MotionLimits.max_wheel_speed, 'Highest speed of either wheel, m/s', low=0.0,
         high=TOP_SPEED, live=True)
     max_linear_acceleration: float = parameter(
-        MotionLimits.linear_acceleration, 'Highest change of the forward speed, m/s2; 0: no '
-        'limit. The end of commands and `stop` know none', low=0.0, high=10.0, live=True)
+        MotionLimits.linear_acceleration, 'Maximum linear acceleration, m/s2; 0: no '
+        'limit. Not applied on timeout or `stop`', low=0.0, high=10.0, live=True)
     max_angular_acceleration: float = parameter(
         MotionLimits.angular_acceleration,
-        'Highest change of the turning speed, rad/s2; 0: no limit', low=0.0, high=100.0, live=True)
+        'Maximum angular acceleration, rad/s2; 0: no limit', low=0.0, high=100.0, live=True)
     cmd_vel_interrupts: bool = parameter(
         MotionLimits.commands_interrupt, 'Whether a velocity command that is not zero ends the '
         'goal of an action that runs; else it is ignored meanwhile', live=True)
@@ -226,7 +226,7 @@ def declare(node: Node) -> Parameters:
         elif name.startswith(QOS_OVERRIDES):
             node.get_logger().warning(
                 f'parameter {name} cannot be overridden and is ignored: of a publisher of this '
-                'node, history, depth and reliability can; a latched topic stays reliable')
+                'node, history, depth and reliability can; a transient local one stays reliable')
         elif name.startswith(OF_ROS):
             continue
         else:

@@ -166,8 +166,8 @@ class Children:
     def __init__(self) -> None:
         self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
 
-    def start(self, program: str, *arguments: str) -> None:
-        self._processes.insert(0, (program, start(program, *arguments)))
+    def start(self, program: str, *arguments: str, stdout: int | None = None) -> None:
+        self._processes.insert(0, (program, start(program, *arguments, stdout=stdout)))
 
     def ended(self) -> str | None:
         """Return a sentence about a child that has ended by itself; None while all run."""

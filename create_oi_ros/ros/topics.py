@@ -85,7 +85,7 @@ class SensorTopic(Topic):
 class StateTopic(SensorTopic):
     """A topic that is published on change only, and kept for late subscribers."""
 
-    when: str = 'on change, latched'
+    when: str = 'on change; transient local'
     period: float | None = inf
     qos: QoSProfile = field(default_factory=lambda: LATCHED)
 
@@ -103,7 +103,7 @@ IMU = Topic(
     name='imu/data', type=Imu, when='every frame in which the gyro is believed',
     about=f'turn rate by the gyro, in `{messages.GYRO_FRAME}`; with parameter `gyro` (REP 145)')
 MODE = Topic(
-    name='mode', type=msg.Mode, when='on change, latched', qos=LATCHED,
+    name='mode', type=msg.Mode, when='on change; transient local', qos=LATCHED,
     about='the actual mode, or `UNKNOWN`; the wanted one, and why they differ')
 DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
@@ -134,7 +134,7 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
         name='cargo_bay', type=msg.CargoBay, fill=messages.cargo_bay, qos=LATCHED,
         watch=('digital_inputs',), needs=('analog_signal',),
-        when='on change at once, else at `sensor_rate`; latched',
+        when='on change at once, else at `sensor_rate`; transient local',
         about='digital inputs, analog input in volts (NaN: not known), baud rate pin'),
     StateTopic(
         name='buttons', type=msg.Buttons, fill=messages.buttons, watch=('buttons',),

@@ -4,17 +4,19 @@
 What a program says while it waits for a driver: for whom, in which ROS domain, and who runs where.
 
 ROS finds nothing in other domains. So each driver binds a Unix socket, whose abstract name has
-its domain and its node; Linux lists these names in /proc/net/unix, and frees one when its process
-ends, however it ends.
+its user, its domain and its node; Linux lists these names in /proc/net/unix, and frees one when
+its process ends, however it ends.
 """
 
 from collections.abc import Callable
 import os
 from pathlib import Path
+import pwd
 import re
 import socket
 import sys
 import time
+from typing import NamedTuple
 
 from create_oi_msgs.msg import Mode
 import rclpy
@@ -31,22 +33,59 @@ POLL_INTERVAL = 0.1
 """Seconds between two checks of what is awaited."""
 MAX_NAME_LENGTH = 107
 """Bytes that Linux allows for the name of a socket."""
-LISTED = re.compile(r'@create_oi_ros/driver/[\d.]+/(\d+)(/\S+)$', re.MULTILINE)
-"""A driver's socket in the list: its process, its ROS domain, its node."""
+LISTED = re.compile(r'@create_oi_ros/driver/(\d+)/[\d.]+/(\d+)(/\S+)$', re.MULTILINE)
+"""A driver's socket in the list: its user, its process, its ROS domain, its node."""
+TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
+"""Variable of Fast DDS; UDPv4 on one side leaves out shared memory, which is for one user."""
+
+
+class RunningDriver(NamedTuple):
+    """A driver that runs on this computer."""
+
+    domain: int
+    name: str
+    """Full name of its node."""
+    user: int
 
 
 def announce(domain: int, node: str) -> socket.socket:
     """Let programs of this computer know of a driver, by its full name, until it is closed."""
     announced = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-    name = f'\0create_oi_ros/driver/{os.getpid()}.{announced.fileno()}/{domain}{node}'
+    name = (f'\0create_oi_ros/driver/{os.getuid()}/{os.getpid()}.{announced.fileno()}/'
+            f'{domain}{node}')
     announced.bind(name.encode()[:MAX_NAME_LENGTH])
     return announced
 
 
-def drivers() -> list[tuple[int, str]]:
-    """Return ROS domain and full node name of the drivers that run on this computer."""
+def drivers() -> list[RunningDriver]:
+    """Return the drivers that run on this computer, sorted."""
     listed = Path('/proc/net/unix').read_text()
-    return sorted({(int(domain), name) for domain, name in LISTED.findall(listed)})
+    return sorted({RunningDriver(int(domain), name, int(user))
+                   for user, domain, name in LISTED.findall(listed)})
+
+
+def _drivers_of(node: Node) -> list[RunningDriver]:
+    """Return the drivers that run in the domain and namespace of a node."""
+    domain, namespace = node.context.get_domain_id(), node.get_namespace().rstrip('/')
+    return [each for each in drivers()
+            if each.domain == domain and each.name.rpartition('/')[0] == namespace]
+
+
+def other_user(node: Node) -> str | None:
+    """Say that a node's driver runs as another user, and what to do; None: it does not."""
+    users = {each.user for each in _drivers_of(node)}
+    if not users or os.getuid() in users or os.environ.get(TRANSPORTS):
+        return None
+    return (f'the driver runs as user {_user_name(users.pop())} and this program as '
+            f'{_user_name(os.getuid())}, but ROS passes no messages between two users: start both '
+            f'as the same user, or `export {TRANSPORTS}=UDPv4` in this shell')
+
+
+def _user_name(user: int) -> str:
+    try:
+        return pwd.getpwuid(user).pw_name
+    except KeyError:  # in a container
+        return str(user)
 
 
 def waits_for(node: Node, what: str, waited: float) -> str | None:
@@ -54,23 +93,23 @@ def waits_for(node: Node, what: str, waited: float) -> str | None:
     if waited < WARNING_DELAY:
         return None
     own, namespace = node.context.get_domain_id(), node.get_namespace()
-    found = drivers()
-    if any(domain == own and name.rpartition('/')[0] == namespace.rstrip('/')
-           for domain, name in found):
+    if (why := other_user(node)) is not None:
+        return f'waits for {what} in ROS domain {own}: {why}'
+    if _drivers_of(node):
         return None if waited < DISCOVERY_TIMEOUT else (
             f'waits for {what} in ROS domain {own}: a driver runs there, but ROS does not find '
             'it: is ROS_AUTOMATIC_DISCOVERY_RANGE or RMW_IMPLEMENTATION different there?')
-    where = [_where(domain, name, own) for domain, name in found]
+    where = [_where(each, own) for each in drivers()]
     return (f'waits for {what} in ROS domain {own}'
             + (f', namespace {namespace}' if namespace != '/' else '') + '; on this computer '
             + (', '.join(where) if where else 'no driver runs: start one with create_run'))
 
 
-def _where(domain: int, name: str, own: int) -> str:
-    namespace = name.rpartition('/')[0]
+def _where(driver: RunningDriver, own: int) -> str:
+    domain, namespace = driver.domain, driver.name.rpartition('/')[0]
     reach = ([f'export ROS_DOMAIN_ID={domain}'] if domain != own else []) + (
         [f'--ros-args -r __ns:={namespace or "/"}'] if domain == own or namespace else [])
-    return f'{name} runs in domain {domain} ({", ".join(reach)})'
+    return f'{driver.name} runs in domain {domain} ({", ".join(reach)})'
 
 
 def say_if_waiting(node: Node, what: str, waits: Callable[[], bool],

@@ -3,7 +3,9 @@
 """`create_check`: moves, what they show, and the program at a simulated robot's port."""
 
 from dataclasses import replace
+import fcntl
 from math import degrees, radians
+import os
 import signal
 import subprocess
 import sys
@@ -189,6 +191,36 @@ def test_what_cannot_be_is_said_in_a_line(tmp_path, arguments, said):
     assert done.returncode == 2
     assert said in done.stderr
     assert 'Traceback' not in done.stderr
+
+
+TRIED = """
+from create_oi_ros.apps.check import robot_line
+from create_oi_ros.ros.programs import create_check
+robot_line.ANSWER = 3.0
+raise SystemExit(create_check())
+"""
+
+
+@pytest.mark.parametrize(('arguments', 'why'), [
+    (['nowhere'], 'nowhere does not exist; '), (['taken'], 'is in use by '),
+    (['silent'], 'no answer at 57600 baud: is the robot on')])
+def test_the_port_is_tried_before_the_floor_is_cleared(tmp_path, arguments, why):
+    line, end = os.openpty()
+    for name in ('taken', 'silent'):
+        (tmp_path / name).symlink_to(os.ttyname(end))
+    if 'taken' in arguments:
+        fcntl.flock(end, fcntl.LOCK_EX)
+    done = subprocess.run(
+        [sys.executable, '-c', TRIED, '--yes', *arguments], text=True, capture_output=True,
+        timeout=60, cwd=tmp_path)
+    os.close(line)
+    os.close(end)
+    assert done.returncode == 2
+    said, = done.stderr.splitlines()
+    assert said.startswith('create_check: ') and why in said
+    assert '`port`' not in said and 'parameter' not in said, 'it has no parameters'
+    assert 'floor' not in done.stdout
+    assert not list(tmp_path.glob('*.capture'))
 
 
 # What a tape measure says becomes the scales of the odometry.

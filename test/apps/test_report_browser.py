@@ -19,7 +19,7 @@ from create_oi_ros.apps.report.recording import Recording
 from support.browser import OpenPage
 from support.ros import Scene, scene
 
-SIZES = {'telephone': (360, 740), 'tablet': (768, 1024), 'desktop': (1440, 900)}
+SIZES = {'phone': (360, 740), 'tablet': (768, 1024), 'desktop': (1440, 900)}
 
 
 def recorded(stage: Scene, folder: Path) -> Path:
@@ -180,7 +180,7 @@ def test_values_follow_the_pointer_and_a_drag_zooms(opened):
 
 
 def test_a_finger_moves_the_cursor(opened):
-    page = opened('telephone')
+    page = opened('phone')
     chart = page.page.locator('.paper canvas').first
     chart.scroll_into_view_if_needed()
     box = chart.bounding_box()

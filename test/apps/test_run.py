@@ -28,6 +28,7 @@ from create_oi_ros.ros.collector import NAMES
 from create_oi_ros.ros.diagnostics import LINK
 from create_oi_ros.ros.messages import of_yaw
 from create_oi_ros.ros.topics import LATCHED
+from create_oi_ros.sim.server.create_sim import say
 from support.ros import children_of, TIMEOUT
 from support.web import ADDRESS, PageClient, ready
 from tf2_msgs.msg import TFMessage
@@ -50,7 +51,14 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     assert all(len(line) <= 81 for line in run.printed if 'frames/s' in line)
     stage.ros.until(lambda: ADDRESS.search(run.output))
     assert re.fullmatch(r'http://127\.0\.0\.1:\d+/', ADDRESS.search(run.output)[1])
-    assert 'for telephones in your network, too, add --host 0.0.0.0\n' in run.output
+    assert 'create_node --ros-args' not in run.output, 'which would start a second driver'
+    control = re.search(r'create_sim --control (\S+) --say "bump left 0.5"', run.output)[1]
+    assert say('bump left 0.5', Path(control)) == 'ok'
+    stage.ros.until(lambda: 'BUMP left' in run.output)
+    second = stage.program('create_run', '--port', '/dev/null')
+    assert second.ended() == 2
+    assert f'/create runs already in ROS domain {stage.domain}' in second.output
+    assert 'for phones in your network, too, add --host 0.0.0.0\n' in run.output
     children = children_of(run.pid)
     assert len(children) == 3
     run.send(signal.SIGINT)
@@ -68,7 +76,7 @@ def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
     assert "python '/home/me/my clone/examples/drive.py'\n" in text
 
 
-def test_what_follows_ros_args_is_for_the_node_and_telephones_drive_it_in_its_namespace(stage):
+def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_in_its_namespace(stage):
     (stage.folder / 'my.yaml').write_text('/**:\n  ros__parameters:\n    bump_stop: forward\n')
     kept = stage.folder / 'token'
     kept.write_text('a_token_that_lasts_long')
@@ -138,6 +146,9 @@ def test_when_a_child_ends_everything_ends(stage):
     (['--port', '/dev/ttyUSB0', '--lidar'], '--lidar is for a simulated robot'),
     (['--ros-args', '-p', 'port:=/dev/ttyUSB0'], 'write --port'),
     (['-p', 'bump_stop:=forward'], 'write --ros-args -p bump_stop:=forward'),
+    (['--prot', '/dev/ttyUSB0'], 'unknown argument --prot: did you mean --port?'),
+    (['--tokenfile', 'token'], 'did you mean --token-file?'),
+    (['--bmp-stop', 'any'], 'did you mean --ros-args -p bump_stop:=VALUE?'),
 ])
 def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
     with pytest.raises(SystemExit) as ended:
@@ -192,9 +203,9 @@ class Status(RobotStatus):
         self.now += 0.1
         super().take(NAME_OF[type(message)], self.now, message)
 
-    def line(self) -> str:
+    def line(self, width: int = WIDTH) -> str:
         self.now += 0.1
-        return super().line(self.now)
+        return super().line(self.now, width)
 
 
 def driving(x: float = 1.0, yaw: float = 0.0) -> Status:
@@ -275,6 +286,7 @@ def test_why_no_robot_answers_is_shown_until_one_does(message, shown):
     link.status[0].values = [KeyValue(key='port', value=PORT)]
     status.take(link)
     assert f'NO ROBOT  {shown}' in status.line()
+    assert message.replace(PORT, 'port') in status.line(200), 'a wide terminal has room'
     status.take(diagnostics('serial link', DiagnosticStatus.OK, 'frames arrive'))
     assert 'NO ROBOT  no robot answers' in status.line()
 

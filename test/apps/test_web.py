@@ -195,9 +195,9 @@ def test_a_service_that_is_discovered_late_is_called(stage, pages):
 
 def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(shared, pages):
     robot, address = shared.robot, shared.address
-    page = ready(pages(address, name='telephone-1'))
+    page = ready(pages(address, name='phone-1'))
     page.drive(0.2, 0.0, lambda: not standing(robot))
-    again = pages(address, name='telephone-1')
+    again = pages(address, name='phone-1')
     stops_in_time(shared.ros, robot)
     again.until(lambda: again.known['seat']['viewers'] == 1)
     again.drive(0.2, 0.0, lambda: not standing(robot))

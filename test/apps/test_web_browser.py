@@ -29,7 +29,7 @@ from support.browser import OpenPage
 from support.ros import Ready, scene
 from support.web import free_port, LONG, PageClient, Relay, served, standing, stops_in_time
 
-SIZES = {'telephone': (360, 740), 'sideways': (740, 360), 'tablet': (768, 1024),
+SIZES = {'phone': (360, 740), 'sideways': (740, 360), 'tablet': (768, 1024),
          'desktop': (1440, 900), 'wall': (2560, 1440), 'notebook': (1280, 720)}
 GAMEPAD = """
 window.pad = null;
@@ -111,8 +111,8 @@ def why(words: str) -> str:
 # Driving.
 
 def test_dragging_the_stick_moves_the_robot_and_letting_go_stops_it(stage, robot, shown):
-    page = shown('telephone')
-    for number, size in enumerate(('telephone', 'sideways', 'desktop'), 1):
+    page = shown('phone')
+    for number, size in enumerate(('phone', 'sideways', 'desktop'), 1):
         page.resize(*SIZES[size])
         page.grab(0.0, 0.7)
         stage.ros.until(lambda far=number: robot.body.truth().pose.x > 0.1 * far)
@@ -146,7 +146,7 @@ def test_stop_stops_while_the_stick_is_still_held(stage, robot, shown):
 
 
 def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, shown):
-    page = shown('telephone')
+    page = shown('phone')
 
     def drive() -> None:
         page.page.mouse.up()
@@ -233,7 +233,7 @@ def test_the_speed_limit_limits_and_is_remembered(stage, robot, shown):
 
 
 def test_another_page_watches_until_it_takes_over(stage, robot, shown):
-    first, second = shown(), shown('telephone')
+    first, second = shown(), shown('phone')
     first.grab(0.0, 0.7)
     stage.ros.until(lambda: not standing(robot))
     second.until(why('the computer drives'))
@@ -314,7 +314,7 @@ def test_a_low_battery_trembles_and_values_that_are_old_for_their_topic_are_dimm
 
 
 def test_the_page_says_why_the_robot_does_not_move_and_what_helps(stage, robot, shown):
-    page = shown('telephone')
+    page = shown('phone')
     assert stage.ros.call(SetMode, 'set_mode', mode=Mode.PASSIVE).success
     page.until(why('Passive'))
     page.page.locator('#why-button').click()
@@ -404,7 +404,7 @@ def touch(page, kind, *points):
 
 
 def test_one_finger_scrolls_the_page_and_two_move_the_map(shown):
-    page = shown('telephone')
+    page = shown('phone')
     touch(page, 'touchStart', (150, 350))
     for at in range(6):
         kind = 'touchMove' if at else 'touchStart'
@@ -434,7 +434,7 @@ def test_dragging_the_map_ends_following_and_a_button_begins_it(shown):
 
 
 def test_the_page_can_live_on_a_home_screen(shown):
-    page = shown('telephone')
+    page = shown('phone')
     manifest = page.evaluate("""fetch(document.querySelector('link[rel=manifest]').href)
         .then(answer => answer.json())""")
     assert manifest['name'] == 'Create'
@@ -464,7 +464,7 @@ def test_modes_and_leds_are_set_and_full_only_when_its_button_is_held(stage, rob
 
 
 def test_tunes_are_played_and_notes_that_are_pressed_meanwhile_follow(stage, robot, shown):
-    page, heard = shown('telephone').page, []
+    page, heard = shown('phone').page, []
 
     def listen() -> None:
         if robot.create.note and heard[-1:] != [robot.create.note]:
@@ -496,7 +496,7 @@ def tap(page, right: float, up: float) -> None:
 
 def test_places_are_tapped_on_the_map_and_the_robot_goes_from_one_to_the_next(
         stage, robot, shown):
-    page = shown('telephone')
+    page = shown('phone')
     tap(page, 0.12, 0.0)
     page.until("document.getElementById('here-go').textContent === 'Go here'")
     tap(page, 0.24, 0.0)
@@ -509,7 +509,7 @@ def test_places_are_tapped_on_the_map_and_the_robot_goes_from_one_to_the_next(
 
 
 def test_a_way_through_a_wall_is_red_and_a_cancel_is_no_error(stage, robot, shown):
-    page = shown('telephone')
+    page = shown('phone')
     page.page.locator('#zoom-out').click()
     page.page.locator('#zoom-out').click()
     scale = 1.35 ** -2
@@ -650,7 +650,7 @@ def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, r
         web, address = served(stage, '--port', port, '--host', '0.0.0.0')
         return web, address.partition('?token=')[2]
     web, token = server()
-    page = pages(here, 'telephone')
+    page = pages(here, 'phone')
     assert 'Which token?' in page.text('h1')
     assert not page.page.locator('#wrong').is_visible()
     page.page.get_by_label('Token').fill('guessed')
@@ -666,7 +666,7 @@ def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, r
     _, token = server()
     page.until("document.getElementById('banner-text').textContent.includes('another token')")
     assert page.page.locator('#banner-token').is_visible()
-    page.other(f'{here}?token={token}')  # as a telephone does that reads the new QR code
+    page.other(f'{here}?token={token}')  # as a phone does that reads the new QR code
     page.live()
     # The browser says that the first answers were refusals, and of connections that failed.
     assert all('40' in error or 'WebSocket' in error or 'ERR_' in error for error in page.errors)

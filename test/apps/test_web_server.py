@@ -162,3 +162,9 @@ def test_a_certificate_that_is_none_is_refused(tmp_path):
     with pytest.raises(UserError, match='No such file'):
         encryption(tmp_path / 'nothing', tmp_path / 'cert')
     assert encryption(None, None) is None
+
+
+def test_a_control_socket_that_is_not_there_is_said(stage):
+    web, _ = served(stage, '--control', str(stage.folder / 'nowhere'))
+    stage.ros.until(
+        lambda: 'nowhere: no simulated robot answers there (No such file' in web.output)

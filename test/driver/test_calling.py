@@ -29,7 +29,7 @@ def test_the_robot_is_found_at_its_rate(baud):
     assert loop.driver.baud == loop.robot.baud == baud
     assert loop.robot.mode is oi.Mode.SAFE
     assert not said(loop, Severity.WARNING, '')
-    assert not said(loop, Severity.ERROR, 'baud: 0')
+    assert not said(loop, Severity.ERROR, 'baud 0')
 
 
 @pytest.mark.parametrize(('baud', 'limit'), [(57600, 1.0), (0, 1.5)])
@@ -84,7 +84,7 @@ def test_a_silent_robot_is_told_of_once_with_what_to_look_at():
         loop.run(0.1)
         loop.driver.receive(b'$GPGGA,123519,4807' * 2, loop.now)
     assert said(loop, Severity.ERROR, 'is it another device? The driver keeps') == 1
-    assert not said(loop, Severity.ERROR, 'baud: 0')
+    assert not said(loop, Severity.ERROR, 'baud 0')
 
 
 @pytest.mark.parametrize('baud', [9600, 14400])

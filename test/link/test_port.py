@@ -70,7 +70,7 @@ def test_a_file_and_a_folder_are_no_serial_ports(tmp_path):
     file.touch()
     for path in (file, tmp_path):
         assert refused(str(path)) == (
-            f'{path} is no serial port; give a device such as /dev/ttyUSB0 as `port`')
+            f'{path} is no serial port; give a device such as /dev/ttyUSB0')
 
 
 def test_without_permission_the_command_that_gives_it_is_named(monkeypatch):

@@ -146,9 +146,9 @@ def test_the_tutorial_works(folder, environment):
         for terminal in running.values():
             terminal.interrupt()
             terminal.ended()
-    text = (folder / 'walk.html').read_text()
+    text = (folder / 'my' / 'walk.html').read_text()
     assert 'Bump' in text and 'id="data">e' in text, 'an event, and packed curves'
-    recording = read(folder / 'walk', lambda part: None)
+    recording = read(folder / 'my' / 'walk', lambda part: None)
     assert recording.events.spans['bumper'].all and len(recording.odom) > 20
 
 

@@ -57,11 +57,23 @@ def test_make_has_every_target_that_is_named() -> None:
                 for target in targets(page.read_text('utf-8')) if target not in TARGETS}
 
 
-def test_make_help_names_every_target() -> None:
-    # Not as a part of the make that may run this test: it would print that it enters a folder.
+def make(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run make: not as a part of one that may run this test, which prints its folder."""
     environment = {name: value for name, value in os.environ.items() if 'MAKE' not in name}
-    shown = subprocess.run(['make', 'help'], cwd=ROOT, text=True, capture_output=True, check=True,
-                           env=environment)
+    return subprocess.run(['make', *arguments], cwd=ROOT, text=True, capture_output=True,
+                          env=environment)
+
+
+def test_make_refuses_a_variable_that_it_does_not_know() -> None:
+    refused = make('-n', 'run', 'port=/dev/ttyUSB0')
+    assert refused.returncode == 2
+    assert 'no variable is called port: allowed are PORT ARGS ' in refused.stderr
+    assert make('-n', 'help', 'PORT=/dev/ttyUSB0', 'ARGS=--gyro').returncode == 0
+
+
+def test_make_help_names_every_target() -> None:
+    shown = make('help')
+    assert shown.returncode == 0
     named = {line.split()[1] for line in shown.stdout.splitlines() if line[4:6] != '  '}
     phony = re.search(r'^\.PHONY: (.*)', MAKEFILE, re.MULTILINE)
     assert named == TARGETS == set(phony[1].split())
@@ -104,7 +116,6 @@ def test_what_the_page_names_exists():
 
 
 README = (ROOT / 'README.md').read_text('utf-8')
-INTERFACE = (ROOT / 'docs' / 'interface.md').read_text('utf-8')
 LOG_LINE = re.compile(r'`([^`]*\.\.\.[^`]*)`')
 
 
@@ -120,13 +131,6 @@ def test_generated_blocks_are_made_from_the_code():
 def test_a_wrong_row_is_made_again():
     page = (ROOT / 'docs' / 'open_interface.md').read_text('utf-8')
     assert rewritten(page.replace('| 137 | Drive |', '| 138 | Drive |')) == page
-
-
-def test_the_scripts_in_the_page_are_the_examples():
-    for name in ('drive.py', 'square.py'):
-        text = (ROOT / 'examples' / name).read_text()
-        program = re.sub(r'\A(#.*\n)+\n*', '', text)  # without copyright and licence
-        assert f'```python\n{program}```' in INTERFACE
 
 
 def test_the_container_starts_what_the_pages_start():
@@ -150,10 +154,11 @@ def texts() -> str:
 
 def quoted() -> list[str]:
     """Return the log lines in the tables of faults."""
-    pages = README, (ROOT / 'docs' / 'if_nothing_happens.md').read_text('utf-8')
-    tables = [page[page.index('| symptom |'):].partition('\n\n')[0] for page in pages]
-    return [line for table in tables for row in table.splitlines()[2:]
-            for line in LOG_LINE.findall(row.split(' | ')[1])]
+    page = (ROOT / 'docs' / 'if_nothing_happens.md').read_text('utf-8')
+    table = page[page.index('| symptom |'):].partition('\n\n')[0]
+    common = README[README.index('| you see |'):].partition('\n\n')[0]
+    return [*LOG_LINE.findall(common), *(
+        line for row in table.splitlines()[2:] for line in LOG_LINE.findall(row.split(' | ')[1]))]
 
 
 def test_the_log_lines_of_the_faults_are_those_of_the_code():
@@ -168,7 +173,8 @@ def test_the_log_lines_of_the_faults_are_those_of_the_code():
 
 
 def test_every_bench_program_has_results_and_a_place_in_the_documents():
-    pages = {path: path.read_text('utf-8') for path in (ROOT / 'docs').glob('*.md')}
+    pages = {path: path.read_text('utf-8') for path in (
+        *(ROOT / 'docs').glob('*.md'), ROOT / 'bench' / 'RESULTS.md')}
     for path in (ROOT / 'bench').glob('bench_*.py'):
         assert figures_of(load(), path.stem)
         assert any(f'<!-- bench {path.stem} -->' in page for page in pages.values()), path.stem

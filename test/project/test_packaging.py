@@ -235,7 +235,8 @@ def test_a_step_that_fails_shows_the_end_of_its_log(tmp_path):
     assert done.stderr == 'the cause\nmake: it failed (complete log: log/a.log)\n'
 
 
-def test_messages_are_built_anew_when_one_was_removed(tool, tmp_path, monkeypatch):
+@pytest.mark.parametrize('why', ['one was removed', 'the build was cut short'])
+def test_messages_are_built_anew_when(tool, tmp_path, monkeypatch, why):
     monkeypatch.chdir(tmp_path)
     built = tmp_path / 'install/create_oi_msgs/share/create_oi_msgs'
     for folder in (tmp_path / 'msg_defs', built):
@@ -243,10 +244,16 @@ def test_messages_are_built_anew_when_one_was_removed(tool, tmp_path, monkeypatc
             (folder / name).parent.mkdir(parents=True)
             (folder / name).touch()
     (tmp_path / 'build/create_oi_msgs').mkdir(parents=True)
-    tool('build').forget_removed()
+    build = tool('build')
+    build.forget_stale()
     assert built.exists()
-    (tmp_path / 'msg_defs/srv/Stop.srv').unlink()
-    tool('build').forget_removed()
+    if why == 'one was removed':
+        (tmp_path / 'msg_defs/srv/Stop.srv').unlink()
+    else:
+        with pytest.raises(SystemExit), monkeypatch.context() as patched:
+            patched.setattr(build, 'step', lambda *_, **__: sys.exit('interrupted'))
+            build.main('wheels')
+    build.forget_stale()
     assert not built.exists()
     assert not (tmp_path / 'build/create_oi_msgs').exists()
 

@@ -3,6 +3,7 @@
 """Mistakes in the ROS graph are reported: types, namespaces, two drivers, frames."""
 
 from contextlib import closing, ExitStack
+import signal
 
 from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticArray
@@ -102,6 +103,17 @@ def test_the_mode_of_another_driver_is_heard_while_it_runs(ready, other):
         ready.ros.until(lambda: count('/second/mode') == 1, 'the driver listens to it')
         driver.node.destroy_node()
         ready.ros.until(lambda: count('/second/mode') == 0, 'and does not any more')
+
+
+def test_when_a_second_driver_has_ended_subscribers_have_the_state_of_the_first(stage):
+    stage.node(stage.robot().link)
+    modes = stage.ros.listen(Mode, 'mode', LATCHED)
+    stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE)
+    second = stage.node(stage.folder / 'nowhere')
+    stage.ros.until(lambda: modes[-1].mode == Mode.UNKNOWN, 'it has no robot')
+    second.send(signal.SIGTERM)
+    assert second.ended() == 0
+    stage.ros.until(lambda: modes[-1].mode == Mode.SAFE, 'the first has one')
 
 
 def test_two_drivers_of_one_name_are_reported(stage):

@@ -23,6 +23,8 @@ from create_oi_ros.ros.waiting import (
     announce,
     DISCOVERY_TIMEOUT,
     drivers,
+    other_user,
+    RunningDriver,
     waits_for,
     WARNING_DELAY,
 )
@@ -169,10 +171,10 @@ def node(namespace: str = '/') -> SimpleNamespace:
 
 def test_drivers_of_this_computer_are_known_while_they_run():
     with announce(221, '/robot1/create'), announce(221, '/robot1/create'):
-        assert drivers().count((221, '/robot1/create')) == 1
-    assert (221, '/robot1/create') not in drivers()
+        assert drivers().count((221, '/robot1/create', os.getuid())) == 1
+    assert '/robot1/create' not in {each.name for each in drivers()}
     with announce(221, '/' + 200 * 'long'):
-        assert (221, '/long') not in drivers()
+        assert '/long' not in {each.name for each in drivers()}
 
 
 @pytest.mark.parametrize(('found', 'namespace', 'words'), [
@@ -188,15 +190,33 @@ def test_drivers_of_this_computer_are_known_while_they_run():
      '(--ros-args -r __ns:=/)'),
 ])
 def test_it_says_what_it_waits_for_and_where_a_driver_runs(monkeypatch, found, namespace, words):
-    monkeypatch.setattr(waiting, 'drivers', lambda: found)
+    monkeypatch.setattr(waiting, 'drivers', lambda: [
+        RunningDriver(*each, os.getuid()) for each in found])
     assert waits_for(node(namespace), 'odom', WARNING_DELAY - 0.1) is None
     assert words in waits_for(node(namespace), 'odom', WARNING_DELAY)
 
 
 def test_a_driver_that_runs_here_is_given_more_time_to_be_found(monkeypatch):
-    monkeypatch.setattr(waiting, 'drivers', lambda: [(7, '/robot1/create')])
+    monkeypatch.setattr(waiting, 'drivers', lambda: [
+        RunningDriver(7, '/robot1/create', os.getuid())])
     assert waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT - 0.1) is None
     assert 'but ROS does not find it' in waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT)
+
+
+@pytest.mark.parametrize(('users', 'transports', 'says'), [
+    ([1], None, True), ([1], 'UDPv4', False), ([1, 0], None, False), ([0], None, False)])
+def test_a_driver_of_another_user_is_said_to_be_one(monkeypatch, users, transports, says):
+    monkeypatch.setattr(waiting, 'drivers', lambda: [
+        RunningDriver(7, '/robot1/create', os.getuid() + each) for each in users])
+    monkeypatch.delenv(waiting.TRANSPORTS, raising=False)
+    if transports:
+        monkeypatch.setenv(waiting.TRANSPORTS, transports)
+    assert other_user(node('/robot2')) is None, 'the driver of another robot'
+    why = other_user(node('/robot1'))
+    assert (why is not None) is says
+    if why is not None:
+        assert 'export FASTDDS_BUILTIN_TRANSPORTS=UDPv4' in why
+        assert why in waits_for(node('/robot1'), 'odom', WARNING_DELAY)
 
 
 def test_a_program_waits_for_a_driver_then_for_its_robot(stage, tmp_path):

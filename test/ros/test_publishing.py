@@ -5,7 +5,18 @@
 from math import isnan, pi, sqrt
 from typing import Any
 
-from create_oi_msgs.msg import Bumper, CargoBay, Charging, Cliff, IrOmni, Song, Wall
+from create_oi_msgs.msg import (
+    Bumper,
+    Buttons,
+    CargoBay,
+    Charging,
+    Cliff,
+    IrOmni,
+    Overcurrent,
+    Song,
+    Wall,
+    WheelDrop,
+)
 from nav_msgs.msg import Odometry
 import pytest
 from rclpy.parameter import Parameter
@@ -17,8 +28,8 @@ from create_oi_ros.driver import Moved
 from create_oi_ros.driver.stream import ALL
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.publishing import FramePublisher, FrameTopic
-from create_oi_ros.ros.topics import ALL_TOPICS, SENSOR_TOPICS
+from create_oi_ros.ros.publishing import check_fill, FramePublisher, FrameTopic
+from create_oi_ros.ros.topics import ALL_TOPICS, SENSOR_TOPICS, SensorTopic
 from support.ros import Scene
 from tf2_msgs.msg import TFMessage
 
@@ -83,9 +94,11 @@ def test_pose_speed_and_covariances_have_their_places_and_the_rest_is_not_measur
 
 
 def test_every_reading_has_its_field(stage):
-    kinds = IrOmni, Wall, Cliff, CargoBay, Charging, Song, BatteryState, Bumper
-    beam, wall, cliff, bay, charging, song, battery, bumper = arrived(
-        stage, Moved(0.0, oi.Readings(FULL), Estimate()), *kinds)
+    kinds = (IrOmni, Wall, Cliff, CargoBay, Charging, Song, BatteryState, Bumper, WheelDrop,
+             Buttons, Overcurrent)
+    assert set(kinds) == {topic.type for topic in SENSOR_TOPICS}, 'a new topic has its values here'
+    beam, wall, cliff, bay, charging, song, battery, bumper, drop, buttons, overcurrent = (
+        arrived(stage, Moved(0.0, oi.Readings(FULL), Estimate()), *kinds))
     assert (beam.character, beam.name) == (137, 'remote_pause')
     assert (wall.wall, wall.virtual_wall, wall.signal) == (True, True, 4000)
     assert (cliff.left, cliff.front_left, cliff.front_left_signal) == (False, True, 17)
@@ -96,6 +109,33 @@ def test_every_reading_has_its_field(stage):
     assert (battery.voltage, battery.current) == pytest.approx((16.234, -0.512))
     assert battery.percentage == 0.5 and isnan(battery.design_capacity)
     assert (bumper.left, bumper.right) == (True, False)
+    assert (drop.right, drop.left, drop.caster) == (True, False, True)
+    assert (buttons.play, buttons.advance) == (False, True)
+    assert (overcurrent.left_wheel, overcurrent.right_wheel) == (True, False)
+    assert (overcurrent.driver_0, overcurrent.driver_1) == (False, True)
+
+
+def lit(message, readings):
+    message.lit = readings.buttons != 0
+
+
+def volts(message, readings):
+    message.analog = readings.analog_signal
+
+
+def inputs(message, readings):
+    message.input_0 = bool(readings.digital_inputs)
+
+
+@pytest.mark.parametrize(('type_', 'fill', 'watch', 'error', 'why'), [
+    (Buttons, lit, 'buttons', AttributeError, 'lit'),
+    (CargoBay, inputs, 'analog_signal', AttributeError, 'digital_inputs has not arrived'),
+    (CargoBay, volts, 'analog_signal', AssertionError, "must be of type 'float'")])
+def test_a_wrong_row_of_a_topic_is_refused_when_the_node_starts(type_, fill, watch, error, why):
+    row = SensorTopic(name='new', type=type_, about='', watch=(watch,), fill=fill)
+    with pytest.raises(error, match=why) as refused:
+        check_fill(row, fill)
+    assert 'topic new: see its row' in refused.value.__notes__[0]
 
 
 @pytest.mark.parametrize('topic', SENSOR_TOPICS, ids=lambda topic: topic.name)

@@ -5,8 +5,10 @@
 from math import atan2, remainder, tau
 import signal
 
+from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 import pytest
+import yaml
 
 from create_oi_ros import oi
 from create_oi_ros.robot import BODY_RADIUS, WHEEL_SEPARATION
@@ -49,14 +51,28 @@ def result(stage, *arguments):
 def test_what_ros2_does_is_done_by_the_example(stage):
     listed = result(stage, 'ros.py', 'list')
     assert '/odom ' in listed and 'create_oi_msgs/srv/SetMode' in listed
-    printed(stage, 'create_oi_msgs.msg.Mode', 'ros.py', 'echo', '/mode')
-    assert 'success=True' in result(stage, 'ros.py', 'call', '/set_mode', '{mode: 3}')
-    assert stage.hero.create.mode is oi.Mode.FULL
-    assert 'success=True' in result(stage, 'ros.py', 'call', '/set_mode', '{mode: 2}')
-    assert 'successful=True' in result(
+    echoed = printed(stage, '---', 'ros.py', 'echo', '/mode')
+    assert yaml.safe_load(echoed.partition('---')[0])['mode'] == Mode.SAFE
+    full = yaml.safe_load(result(stage, 'ros.py', 'call', '/set_mode', '{mode: 3}'))
+    assert full['success'] is True and stage.hero.create.mode is oi.Mode.FULL
+    assert 'success: true' in result(stage, 'ros.py', 'call', '/set_mode', '{mode: 2}')
+    assert 'successful: true' in result(
         stage, 'ros.py', 'set', '/create', 'cmd_vel_timeout', '0.4')
-    program = stage.example('ros.py', 'echo', '/nothing')
-    assert program.ended() == 2 and 'nobody publishes /nothing: see list' in program.output
+
+
+@pytest.mark.parametrize(('arguments', 'why'), [
+    (['echo', '/nothing'], 'nobody publishes /nothing: see list'),
+    (['call', '/nothing'], 'nobody offers /nothing: see list'),
+    (['call', '/set_mode', '{mod: 2}'], "has no field 'mod'; allowed: mode"),
+    (['call', '/set_mode', '{mode: safe}'], "mode = 'safe'; allowed is a value of type uint8"),
+    (['call', '/set_mode', '{mode'], "'{mode' is no YAML of the form '{field: value}'"),
+    (['call', '/set_mode', '2'], "'2' is no YAML of the form '{field: value}'"),
+    (['set', '/create', 'cmd_vel_timout', '1.0'], 'no parameter cmd_vel_timout; it has '),
+    (['set', '/nobody', 'cmd_vel_timeout', '1.0'], 'no node /nobody is found: see list')])
+def test_what_is_mistyped_is_said_in_a_line(stage, arguments, why):
+    program = stage.example('ros.py', *arguments)
+    assert program.ended() == 2
+    assert why in program.output and 'Traceback' not in program.output
 
 
 def test_a_node_of_ones_own_turns_away_from_a_wall(stage):

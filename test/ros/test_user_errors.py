@@ -254,7 +254,7 @@ def test_missing_libraries_for_bags_are_installed_by_one_line(
     (['--port', '/dev/ttyUSB3'], '--port is a parameter: write --ros-args -p port:=/dev/ttyUSB3'),
     (['--cmd-vel-timeout=1.0'], 'write --ros-args -p cmd_vel_timeout:=1.0'),
     (['--bogus'], 'unknown argument --bogus'),
-    (['--versoin'], 'did you mean version?'),
+    (['--versoin'], 'did you mean --version?'),
     (['/dev/ttyUSB0'], 'unknown argument /dev/ttyUSB0'),
     (['port:=/dev/x'], 'write --ros-args -p port:=/dev/x'),
     (['-p', 'port:=/dev/x'], '-p is for ROS: write --ros-args -p port:=/dev/x'),

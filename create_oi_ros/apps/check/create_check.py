@@ -35,9 +35,10 @@ from .robot_line import RobotLine
 from .verdict import as_mapping, Finding, lines, of_gyro, of_wheels
 
 INTRODUCTION = """\
-The robot makes short moves for about four minutes, each of them back to where it began. It needs
-a hard, level floor with 1.2 m free ahead of it, 0.6 m behind it and 0.5 m to each side, and no
-stairs. It is in Safe mode: it stops at cliffs, but not at walls. Ctrl-C stops the wheels."""
+A robot answers. It makes short moves, about five minutes in all, each of them back to where it
+began. It needs a hard, level floor with 1.2 m free ahead of it, 0.6 m behind it and 0.5 m to each
+side, and no stairs. It is in Safe mode: it stops at cliffs, but not at walls. Ctrl-C stops the
+wheels."""
 ATTEMPTS = 3
 """How often a disturbed move is tried where nobody is there to ask."""
 OFF_THE_DOCK = Move((Segment(2.5, -150, -150),), Reads.END)
@@ -72,7 +73,6 @@ class GuidedCheck:
     def run(self) -> tuple[list[Finding], Health, dict[str, float]]:
         """Ask and drive; return what was seen, the health, parameters. UserError: why not."""
         line, person = self._line, self._person
-        line.wait_for_robot()
         seen = [about_banner(line, person), about_dock(line)]
         self._to_the_floor()
         seen.append(about_leds(line, person))
@@ -132,9 +132,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal.signal(number, signal.default_int_handler)
     person = Person(absent=options.yes)
     try:
-        person.confirm(INTRODUCTION)
         line = RobotLine(options.port, options.baud, options.capture)
         with line.open():
+            tell(f'Looking for a robot at {options.port} ...')
+            line.wait_for_robot()
+            person.confirm(INTRODUCTION)
             seen, health, parameters = GuidedCheck(line, person).run()
         _conclude(seen, health, options.output)
         tell('\n'.join(in_lines(parameters)))

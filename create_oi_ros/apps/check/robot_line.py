@@ -32,6 +32,8 @@ class RobotLine:
         self.notebook = Notebook()
         self.heard = bytearray()
         """What the robot says, to look for a banner."""
+        self._answered = False
+        """Whether a robot has ever answered."""
         self.lost = threading.Event()
         """Set when the session has ended by itself."""
         self.capture = Capture(
@@ -52,7 +54,7 @@ class RobotLine:
     def _on_event(self, event: DriverEvent) -> None:
         if isinstance(event, Notice):
             self.capture.add(RecordKind.NOTE, f'{event.severity.name.lower()}: {event.text}')
-            if event.severity is not Severity.INFO and not self.runner.busy:
+            if event.severity is not Severity.INFO and self._answered and not self.runner.busy:
                 print(f'  ({event.text})', flush=True)
 
     @contextmanager
@@ -64,6 +66,8 @@ class RobotLine:
         finally:
             self.session.close()
             self.capture.close()
+            if not self._answered:
+                self.capture.path.unlink(missing_ok=True)  # nothing of a robot is in it
 
     def health(self) -> Health:
         """Return what is known now."""
@@ -87,9 +91,14 @@ class RobotLine:
 
     def wait_for_robot(self) -> None:
         """Wait until the robot answers; UserError: it does not."""
-        if not self.until(lambda health: health.answered and bool(self.notebook.seconds), ANSWER):
-            raise UserError(f'no robot answers at {self.session.url} within {ANSWER:.0f} s: is it '
-                            'switched on, and the cable in?')
+        def settled(health: Health) -> bool:
+            self._answered = health.answered and bool(self.notebook.seconds)
+            return self._answered or self.session.port is None and bool(health.line_problem)
+        self.until(settled, ANSWER)
+        if not self._answered:
+            raise UserError(self.health().line_problem or (
+                f'no robot answers at {self.session.url} within {ANSWER:.0f} s: is it switched '
+                'on, and the cable in?'))
 
     def enter(self, mode: oi.Mode) -> Outcome:
         """Ask for a mode; return how that ended."""

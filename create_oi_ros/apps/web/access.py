@@ -4,7 +4,7 @@
 Who may open the page, how much a page may send, and who drives. Pure: the time is an argument.
 
 One viewer at a time has the driver's seat. A command holds for HOLD seconds, and the page sends
-the next one earlier. So the wheels stop soon after a page is closed, a telephone sleeps, or the
+the next one earlier. So the wheels stop soon after a page is closed, a phone sleeps, or the
 network fails.
 """
 

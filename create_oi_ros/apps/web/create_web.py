@@ -150,7 +150,8 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
              asyncio.create_task(ended.wait())]
     if options.control is not None:
         tasks.append(asyncio.create_task(
-            show_truth(options.control, robot, lambda: len(viewers) > 0)))
+            show_truth(options.control, robot, lambda: len(viewers) > 0,
+                       node.get_logger().warning)))
     done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     await viewers.close()
     await runner.cleanup()
@@ -161,7 +162,7 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
 def _announce(node: WebNode, address: str, token: str | None) -> None:
     what = 'in a browser to see and drive the robot'
     if token is None:
-        node.get_logger().info(f'open {address} {what}; for telephones in your network, too, add '
+        node.get_logger().info(f'open {address} {what}; for phones in your network, too, add '
                                '--host 0.0.0.0')
         return
     # ROS writes its log to files, which must not have the token. A status line may stand here.

@@ -19,6 +19,8 @@ PERIOD = 0.1
 """Seconds between two questions."""
 RETRY = 1.0
 """Seconds until the next attempt when nobody answers."""
+TRIES = 5
+"""Attempts in vain after which this is said."""
 LONGEST_ANSWER = 1 << 20
 """Bytes."""
 
@@ -30,20 +32,28 @@ def room_origin(odometry: FlatPose, true: FlatPose) -> FlatPose:
                     odometry.y - true.x * sin(yaw) - true.y * cos(yaw), yaw)
 
 
-async def show_truth(path: Path, robot: LiveRobot, asked: Callable[[], bool]) -> None:
+async def show_truth(path: Path, robot: LiveRobot, asked: Callable[[], bool],
+                     say: Callable[[str], object]) -> None:
     """
     Put the room and the true pose into what the pages show, until cancelled.
 
     The room's frame is set when both poses are first known, and again after the odometry has begun
-    anew. From then on the true place drifts away from that of the odometry: its error.
+    anew. From then on the true place drifts away from that of the odometry: its error. `say` gets
+    a sentence, once, if no simulator answers.
     """
+    failures = 0
     while True:  # a simulator may start later, or again
         try:
             reader, writer = await asyncio.open_unix_connection(path, limit=LONGEST_ANSWER)
             with closing(writer):
                 await _ask_on(reader, writer, robot, asked)
-        except (OSError, ValueError, KeyError):  # it has gone, or is something else
+        except (OSError, ValueError, KeyError) as error:  # it has gone, or is something else
             robot.parts.put('true_pose', None)
+            failures += 1
+            if failures == TRIES:
+                say(f'--control {path}: no simulated robot answers there '
+                    f'({getattr(error, "strerror", None) or "it is something else"}), so the map '
+                    'has no room; start create_sim with the same --control')
         await asyncio.sleep(RETRY)
 
 

@@ -44,7 +44,7 @@ def device_of(agent: str) -> str:
     """Return what a browser runs on, by its User-Agent header."""
     if 'iPad' in agent or ('Android' in agent and 'Mobile' not in agent):
         return 'tablet'
-    return 'telephone' if 'Mobi' in agent else 'computer'
+    return 'phone' if 'Mobi' in agent else 'computer'
 
 
 class Viewer:

@@ -88,7 +88,7 @@ def _arguments() -> argparse.ArgumentParser:
         default=Checksum.HARDWARE.value,
         help='of stream frames: without the header (manual) or with it (default: %(default)s)')
     add('--guess', action='append', default=[], metavar='NAME=VALUE',
-        help='change a guess about what the manual leaves open; see docs/simulator.md')
+        help='change a guess about what the manual leaves open; see docs/simulator_guesses.md')
     add('--fault', action='append', type=_told(Fault.parse), default=[], metavar='SPEC',
         help='cause a fault, such as flip:0.05 or unplug@20+3; see docs/simulator.md')
     add('--gyro', action='store_true', help='put a gyro on the analog input of the cargo bay')

@@ -112,7 +112,7 @@ function light(group, sides) {
   notice(group, Object.values(sides).some(Boolean));
 }
 
-// A telephone in the hand trembles when something begins that its owner may not see.
+// A phone in the hand trembles when something begins that its owner may not see.
 const noticed = {};
 function notice(name, on) {
   const begins = on && noticed[name] === false;
