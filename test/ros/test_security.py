@@ -22,7 +22,6 @@ from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from create_oi_ros.apps.lidar import LidarNode
-from create_oi_ros.apps.web.live_robot import LiveRobot
 from create_oi_ros.apps.web.web_node import WebNode
 from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.bags import Recorder
@@ -88,7 +87,7 @@ def node(tmp_path_factory):
     with own_domain() as domain:
         rclpy.init(args=[], domain_id=domain)
         made = CreateNode(Future(), parameter_overrides=[Parameter('gyro', value='analog')])
-        web = WebNode(LiveRobot())
+        web = WebNode()
         lidar, record = LidarNode(), rclpy.create_node('create_record')
         recorder = Recorder(record, tmp_path_factory.mktemp('bags') / 'bag')
         for name in ACTION_TYPES:
