@@ -91,7 +91,7 @@ def node(tmp_path_factory):
         lidar, record = LidarNode(), rclpy.create_node('create_record')
         recorder = Recorder(record, tmp_path_factory.mktemp('bags') / 'bag')
         for name in ACTION_TYPES:
-            web.action_client(name)  # as a page that has sent every goal
+            web.driver.client(name)  # as a page that has sent every goal
         deadline = time.monotonic() + TIMEOUT
         while not web.velocity.driver_listens:
             assert time.monotonic() < deadline
