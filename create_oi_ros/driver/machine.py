@@ -168,11 +168,6 @@ class Driver:
         """Bits per second at which the robot is called; the port has to follow."""
         return self._connection.baud
 
-    @property
-    def busy(self) -> bool:
-        """Whether commands wait to be made ready by `poll`."""
-        return self.core.outbox.busy
-
     def health(self, now: float) -> Health:
         """Return what is known of driver, line and robot."""
         readings, connection = self.core.readings, self._connection

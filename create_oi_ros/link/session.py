@@ -112,19 +112,9 @@ class Session:
             self._on_failure()
 
     def drive(self, linear: float, angular: float) -> None:
-        """
-        Follow a velocity, m/s and rad/s.
-
-        It is written at once. All else waits for the next frame, unless it made the driver queue
-        more, such as a change of mode.
-        """
-        with self._use_driver() as now:
-            self.driver.drive(linear, angular, now)
-            self._send()
-            if self.driver.busy:
-                self._exchange(now)
-            else:
-                self._report_events()
+        """Follow a velocity, m/s and rad/s; it is written at once."""
+        with self.request() as (driver, now):
+            driver.drive(linear, angular, now)
 
     def health(self) -> Health:
         """Return what is known of driver, line and robot; nothing is sent."""

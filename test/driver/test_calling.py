@@ -236,11 +236,3 @@ def test_without_a_port_nothing_is_counted_and_a_stop_and_the_end_send_nothing()
     assert driver.stop(0.0).outcome.ok is False
     driver.shut_down(0.1)
     assert driver.data_to_send() == b''
-
-
-def test_a_driver_is_busy_until_its_commands_are_made_ready(loop):
-    assert not loop.driver.busy
-    loop.driver.modes.set(oi.Mode.FULL, loop.now)
-    assert loop.driver.busy
-    loop.run(0.3)
-    assert not loop.driver.busy
