@@ -27,8 +27,6 @@ RETRY_FIRST, RETRY_MOST = 0.1, 0.8
 """Seconds between attempts to open the port: doubling from the first to the second."""
 NAMES_SETTLED = 1.0
 """Seconds after plugging in when a device has all its names."""
-CHECK_INTERVAL = 0.1
-"""Seconds between two checks that the dead-man still runs."""
 LEAST_LIFE = 1.0
 """Seconds that a dead-man must have run to be started again."""
 UNGUARDED = 'if this process dies, the robot drives on'
@@ -68,7 +66,7 @@ class Session:
         self.port: Port | None = None
         """The open port; None while there is none. Use it only within a `request`."""
         self._dead_man: DeadMan | None = None
-        self._dead_man_started_at = self._check_at = 0.0
+        self._dead_man_started_at = 0.0
         self._lasting_name: str | None = None
         self._named_at = inf
         """When to look up the lasting name of the open port."""
@@ -251,9 +249,7 @@ class Session:
                 self.driver.receive(received, now)
                 self._report_events()  # first: a bump must not wait
             self._exchange(now)
-            if now > self._check_at:
-                self._check_at = now + CHECK_INTERVAL
-                self._check_dead_man(port, now)
+            self._check_dead_man(port, now)
             if now > self._named_at:
                 self._lasting_name = lasting_name(port.url) or self._lasting_name
                 self._named_at = inf
