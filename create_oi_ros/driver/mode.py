@@ -219,8 +219,7 @@ class Modes:
         elif before.unknown or tried_in_vain:
             causes = present or (Cause.UNKNOWN,)
         self._causes_before = present
-        if (actual, causes) != (before.actual, before.causes):
-            self._core.set_status(ModeStatus(actual, before.wanted, causes))
+        self._core.set_status(ModeStatus(actual, before.wanted, causes))
         if dropped:
             self._mode_left(now)
         if actual is attempt.mode:
