@@ -13,6 +13,7 @@ from nav_msgs.msg import Odometry
 import pytest
 from rclpy.qos import qos_profile_sensor_data, QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
+from std_msgs.msg import String
 import yaml
 
 pytest.importorskip('rosbags')
@@ -209,10 +210,12 @@ class Walk:
         self.bag = folder / 'walk'
         with scene(folder) as made:
             recorder = Recorder(made.ros.node, self.bag)
-            recorder.describe()
+            described = made.ros.node.create_publisher(String, DESCRIBED, LATCHED)
+            described.publish(String(data='<robot name="create"/>'))
             made.node(made.robot().link)
             made.ros.until(lambda: recorder.counts['/odom'] > 100, 'two seconds')
-            made.ros.until(lambda: LATCHING <= set(recorder.counts), 'every latched topic')
+            made.ros.until(lambda: LATCHING | {DESCRIBED} <= set(recorder.counts),
+                           'every latched topic')
             self.offered: dict[str, list[TopicEndpointInfo]] = {
                 name: made.ros.node.get_publishers_info_by_topic(name) for name in NAMES}
             recorder.close()
