@@ -12,7 +12,7 @@
 #   make nightly         all that takes long: hours; SHARE=0.1: a tenth of it; ARGS as above
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
-#   make bench           measure latency and cost: 20 minutes, on a quiet machine
+#   make bench           measure latency and cost: ten minutes; ARGS="--beside 'COMMAND'"
 #   make bench-odometry  measure the odometry
 #   make bench-goals     measure how exact goals are
 #   make size            count lines, files and words, beside what they should be at most
@@ -37,10 +37,10 @@ demo: build ; @$(ENTER) exec tools/demo.sh
 test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(PYTEST))
 nightly: build $(TESTS) $(MUTANTS) ; @$(ENTER) $(if $(ARGS),,$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py &&) python -m pytest -m nightly -rP $(ARGS)
 build: $(BUILT)
-bench: build $(TESTS) ; @$(ENTER) for each in latency cost web; do python bench/bench_$$each.py || exit; done
+bench: build $(TESTS) ; @$(ENTER) python bench/bench_latency.py && python bench/bench_web.py && python bench/bench_cost.py $(ARGS)
 bench-odometry: build $(TESTS) ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 bench-goals: build $(TESTS) ; @$(ENTER) python bench/bench_goals.py $(ARGS)
-docs: build $(TESTS) ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/gyro.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf && python bench/draw_odometry.py && python bench/draw_lidar.py
+docs: build $(TESTS) ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py bench/RESULTS.md docs/performance.md docs/odometry.md docs/goals.md docs/gyro.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf && python bench/draw_odometry.py && python bench/draw_lidar.py
 lint: $(TESTS) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 size: ; @python3 tools/size.py
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log *.egg-info .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis

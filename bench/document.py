@@ -4,7 +4,7 @@
 The measured numbers in the documents: `python bench/document.py PAGE.md ...`.
 
 Between `<!-- bench NAME -->` and `<!-- end -->` stands the table of that program in
-`results.json`, and where and when it was measured.
+`results.json`, and where and when it was measured; with `measured NAME`, without its targets.
 """
 
 from pathlib import Path
@@ -15,19 +15,21 @@ from typing import Any
 from create_oi_ros.oi.tools import markdown
 from results import figures_of, load, rows
 
-PREFIX = 'bench '
-LABEL = PREFIX + r'\w+'
+LABEL = r'(?:bench|measured) \w+'
 SHOWN = {'bench_odometry': re.compile(
     'deg a turn|(centre|ranges|sign|unsteady): % of the path$|NEES,|at some moment|worse than|'
     'first half minute|damaged line|logs of|an update')}
 """Which figures of a long table its page shows; `results.json` has all."""
 
 
-def table(program: str, results: dict[str, Any]) -> str:
+def table(label: str, results: dict[str, Any]) -> str:
     """Return a program's figures in Markdown."""
+    kind, program = label.split()
     where = results[program]['where']
     shown = SHOWN.get(program, re.compile(''))
     figures = [each for each in figures_of(results, program) if shown.search(each.what)]
+    if kind == 'measured':
+        figures = [each._replace(target=None) for each in figures]
     heading, *body = rows(figures)
     missed = any(each.verdict == 'missed' for each in figures)
     return (f'{markdown.table(heading, body)}\n'
@@ -38,8 +40,7 @@ def table(program: str, results: dict[str, Any]) -> str:
 
 def documented(page: str, results: dict[str, Any]) -> str:
     """Return a page with its tables as they are in the results."""
-    return markdown.rewritten(
-        page, LABEL, lambda label: table(label.removeprefix(PREFIX), results))
+    return markdown.rewritten(page, LABEL, lambda label: table(label, results))
 
 
 def main() -> None:
