@@ -66,10 +66,9 @@ def measured(heard: str, command: str) -> list[Figure]:
 
 def compared(what: str, name: str, shares: Sequence[float], others: Sequence[float],
              rate: float, target: float | None = None) -> Figure:
-    """Return the ratio of two drivers in the same slices."""
+    """Return the ratio of two drivers in the same slices, and messages heard of the first."""
     return repeated(f'{what} to {name}', [a / b for a, b in zip(shares, others)], 'times', target,
-                    f'{median(shares):.1f} to {median(others):.1f} % of a core, '
-                    f'{rate:.0f} messages a second')
+                    f'{median(shares):.1f} to {median(others):.1f} %, {rate:.0f}/s')
 
 
 if __name__ == '__main__':

@@ -23,7 +23,7 @@ from scene import drives, Scene, scene
 REPETITIONS = 3
 # Seconds to wait until all is quiet, and seconds in which odometry is measured.
 SETTLE, LISTEN = 1.0, 6.0
-COMMANDS, PRESSES = 100, 100
+COMMANDS, PRESSES = 200, 100
 
 SHARES = {'median': (0.5, 1.2, 0.9, 19.0), '99th percentile': (0.99, 1.5, 1.5, 27.0)}
 """Percentiles, and at most: times the floor, ms of a command, ms of a bump. A bump waits for the
