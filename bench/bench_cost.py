@@ -46,7 +46,7 @@ def measured(heard: str, command: str) -> list[Figure]:
         begun = monotonic()
         floor, node, *other = zip(*(shares(SLICE, *drivers) for _ in range(SLICES)))
         ended = monotonic()
-        _, (memory, dead_man), *(more) = (
+        _, (memory, *dead_man), *more = (
             [resident(each) for each in family(driver.process.pid)] for driver in drivers)
         _, rate, *other_rate = (
             sum(begun < when < ended for times in listener.result().values() for when, _ in times)
@@ -59,7 +59,8 @@ def measured(heard: str, command: str) -> list[Figure]:
         made.append(Figure(f'{heard}: node to {OTHER}', None, '', allowed))
     if not topics:
         made += [Figure('memory: node', memory, 'MB', MEMORY),
-                 Figure('memory: its dead-man', dead_man, 'MB', DEAD_MAN_MEMORY),
+                 *(Figure('memory: its dead-man', each, 'MB', DEAD_MAN_MEMORY)
+                   for each in dead_man),
                  *(Figure(f'memory: {OTHER}', sum(each), 'MB') for each in more)]
     return made
 
