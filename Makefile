@@ -13,7 +13,7 @@
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
 #   make pictures        draw the pictures of the documents again: a minute
-#   make bench           measure latency and cost: 20 minutes, on a quiet machine
+#   make bench           measure latency and cost: ten minutes; ARGS="--beside 'COMMAND'"
 #   make bench-odometry  measure the odometry
 #   make bench-goals     measure how exact goals are
 #   make size            count lines, files and words, beside what they should be at most
@@ -43,7 +43,7 @@ demo: build ; @$(ENTER) exec tools/demo.sh
 test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(PYTEST))
 nightly: build $(TESTS) $(MUTANTS) ; @$(ENTER) $(if $(ARGS),,$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py &&) python -m pytest -m nightly -rP $(ARGS)
 build: $(BUILT)
-bench: build $(TESTS) ; @$(ENTER) for each in latency cost web; do python bench/bench_$$each.py || exit; done
+bench: build $(TESTS) ; @$(ENTER) python bench/bench_latency.py && python bench/bench_web.py && python bench/bench_cost.py $(ARGS)
 bench-odometry: build $(TESTS) ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 bench-goals: build $(TESTS) ; @$(ENTER) python bench/bench_goals.py $(ARGS)
 docs: build $(TESTS) ; @$(ENTER) PYTHONPATH=bench:$$PYTHONPATH python tools/document.py config/create.yaml config/sros2_policy.xml docs/*.md bench/RESULTS.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf

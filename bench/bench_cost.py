@@ -1,86 +1,80 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Processor time and memory of the node: `python bench/bench_cost.py`, ten minutes, a table.
+Processor time and memory of the node, beside others: `python bench/bench_cost.py`, four minutes.
 
-The node runs with its dead-man process at 66.7 frames a second, with one subscriber on each topic,
-or on `odom` alone, in another process. Its processor time, as a share of one core, is measured
-standing, and in the first 20 s of driving in a circle with `cmd_vel` ten times a second. Memory is
-resident memory. The floor (programs/floor.py) publishes one Odometry for each frame to one
-subscriber. Node and floor take turns.
-
-The targets are what `create_driver` takes, the C++ driver of the package create_robot, over the
-same floor: it was measured once beside the node, with the same simulated robot and commands.
+Floor (programs/floor.py) and node run at the same time, and with `--beside COMMAND` another
+driver. Each has its own ROS domain, simulated robot (66.7 frames a second) and subscriber, and
+drives in a circle by `cmd_vel`, 20 times a second. Processor times, each with that of its child
+processes, are read over the same slices of ten seconds: whatever else runs slows all of them
+alike, so only their ratios count. Memory is resident memory.
 """
 
+from argparse import ArgumentParser
 from collections.abc import Sequence
+from contextlib import ExitStack
+import shlex
 from statistics import median
-from time import sleep
-from typing import NamedTuple
+from time import monotonic, sleep
 
-from create_oi_ros.ros.topics import PUBLISHED
-from results import Figure, figures_of, load, repeated, run
-from scene import scene
+from results import Figure, repeated, run
+from scene import DOMAIN, family, resident, scene, shares
 
-REPETITIONS = 5
-# Seconds to wait before a measurement, and its duration.
-SETTLE, WATCH = 1.5, 4.0
-DRIVE = 20.0
-"""The same for a robot that drives: a new robot costs more, until its odometry knows it."""
-ALL = tuple(topic.name for topic in PUBLISHED)
-
-
-class Node(NamedTuple):
-    """What a node takes: shares of a core in %, with its dead-man; its own memory in MB."""
-
-    standing: float
-    driving: float
-    memory: float
+OTHER = 'the other driver'
+SETTLE, SLICE, SLICES = 20.0, 10.0, 6
+"""Seconds of driving before the first slice, of a slice, and how many of them."""
+HEARD = {'odom alone': (('odom',), 1.2), 'all topics': ((), 1.1)}
+"""Topics of the subscriber, none: all; and how much more than the other driver is allowed."""
+MEMORY, DEAD_MAN_MEMORY = 98.0, 9.0
+"""MB."""
 
 
-def floor() -> float:
-    """Return the processor share of the floor, %."""
-    with scene() as stage:
-        stage.robot()
-        listener = stage.listener('odom')
-        driver = stage.driver(floor=True)
-        listener.line()
+def measured(heard: str, command: str) -> list[Figure]:
+    """Let them run; return the figures with one choice of topics heard."""
+    topics, allowed = HEARD[heard]
+    with ExitStack() as stack:
+        stages = [stack.enter_context(scene(DOMAIN + n)) for n in range(3 if command else 2)]
+        for stage in stages:
+            stage.robot()
+        drivers = [stages[0].driver(floor=True), stages[1].driver(), *(
+            stage.start(*shlex.split(command.format(port=stage.port, domain=stage.domain)))
+            for stage in stages[2:])]
+        listeners = [stage.listener(*topics) for stage in stages]
+        for stage in stages:
+            stage.program('circle')
         sleep(SETTLE)
-        return driver.processor_share(WATCH)
+        begun = monotonic()
+        floor, node, *other = zip(*(shares(SLICE, *drivers) for _ in range(SLICES)))
+        ended = monotonic()
+        _, (memory, *dead_man), *more = (
+            [resident(each) for each in family(driver.process.pid)] for driver in drivers)
+        _, rate, *other_rate = (
+            sum(begun < when < ended for times in listener.result().values() for when, _ in times)
+            / (ended - begun) for listener in listeners)
+    made = [compared(f'{heard}: node', 'floor', node, floor, rate)]
+    if other:
+        made += [compared(f'{heard}: {OTHER}', 'floor', *other, floor, *other_rate),
+                 compared(f'{heard}: node', OTHER, node, *other, rate, allowed)]
+    else:
+        made.append(Figure(f'{heard}: node to {OTHER}', None, '', allowed))
+    if not topics:
+        made += [Figure('memory: node', memory, 'MB', MEMORY),
+                 *(Figure('memory: its dead-man', each, 'MB', DEAD_MAN_MEMORY)
+                   for each in dead_man),
+                 *(Figure(f'memory: {OTHER}', sum(each), 'MB') for each in more)]
+    return made
 
 
-def node(*topics: str) -> Node:
-    """Return what the node takes with these topics heard."""
-    with scene() as stage:
-        stage.robot()
-        listener = stage.listener(*topics)
-        driver = stage.driver()
-        listener.line()
-        sleep(SETTLE)
-        standing = driver.processor_share(WATCH)
-        stage.program('circle')
-        sleep(SETTLE)
-        return Node(standing, driver.processor_share(DRIVE), driver.resident())
-
-
-def measure() -> list[Figure]:
-    floors, most, heard = zip(*((floor(), node(*ALL), node('odom')) for _ in range(REPETITIONS)))
-    theirs = [figure.value for figure in figures_of(load(), 'create_driver')]
-    return [
-        repeated('floor: processor', floors, '% of a core'),
-        compared('node, standing', [each.standing for each in most], floors),
-        compared('node, driving', [each.driving for each in most], floors, theirs[0]),
-        compared('node, only odom heard, driving', [each.driving for each in heard], floors,
-                 theirs[1]),
-        repeated('node: memory', [each.memory for each in most], 'MB')]
-
-
-def compared(what: str, shares: Sequence[float], floors: Sequence[float],
-             target: float | None = None) -> Figure:
-    """Return the ratio to the floor of the same repetition."""
-    return repeated(f'{what}: processor', [a / b for a, b in zip(shares, floors)], 'x floor',
-                    target, f'{median(shares):.1f} % of a core')
+def compared(what: str, name: str, shares: Sequence[float], others: Sequence[float],
+             rate: float, target: float | None = None) -> Figure:
+    """Return the ratio of two drivers in the same slices, and messages heard of the first."""
+    return repeated(f'{what} to {name}', [a / b for a, b in zip(shares, others)], 'times', target,
+                    f'{median(shares):.1f} to {median(others):.1f} %, {rate:.0f}/s')
 
 
 if __name__ == '__main__':
-    run('bench_cost', measure)
+    parser = ArgumentParser(description=__doc__.splitlines()[1])
+    parser.add_argument('--beside', metavar='COMMAND', default='', help=(
+        'start another driver by this, with {port} and {domain} where its arguments name them'))
+    command = parser.parse_args().beside
+    run('bench_cost', lambda: [each for heard in HEARD for each in measured(heard, command)])

@@ -16,7 +16,6 @@ from pathlib import Path
 import platform
 import re
 from statistics import median, quantiles
-from time import monotonic, sleep
 from typing import Any, NamedTuple
 
 from create_oi_ros.oi.tools.tables import columns
@@ -32,7 +31,8 @@ class Figure(NamedTuple):
     """One measured number and its target."""
 
     what: str
-    value: float
+    value: float | None
+    """None: not measured."""
     unit: str
     target: float | None = None
     at_least: bool = False
@@ -45,7 +45,7 @@ class Figure(NamedTuple):
     @property
     def verdict(self) -> str:
         """`met` or `missed`; empty without a target."""
-        if self.target is None:
+        if self.target is None or self.value is None:
             return ''
         met = self.value >= self.target if self.at_least else self.value <= self.target
         return 'met' if met else 'missed'
@@ -62,27 +62,13 @@ def percentile(values: Sequence[float]) -> float:
     return quantiles(values, n=20, method='inclusive')[-1] if len(values) > 1 else values[0]
 
 
-def machine_seconds() -> float:
-    """Return the busy time of all cores together since the machine started, seconds."""
-    with open('/proc/stat', encoding='ascii') as file:
-        user, nice, system, _, _, irq, soft, steal, *_ = map(int, file.readline().split()[1:])
-    return (user + nice + system + irq + soft + steal) / os.sysconf('SC_CLK_TCK')
-
-
-def load_before(seconds: float = 1.0) -> float:
-    """Return how many cores are busy now; the system's load average is a minute behind."""
-    begun, used = monotonic(), machine_seconds()
-    sleep(seconds)
-    return (machine_seconds() - used) / (monotonic() - begun)
-
-
 def machine() -> dict[str, Any]:
     models = [line.partition(':')[2].strip() for line in Path('/proc/cpuinfo').read_text().split(
         '\n') if line.startswith('model name')]
     return {
         'date': datetime.now(UTC).isoformat(timespec='minutes'),
         'processor': models[0] if models else platform.machine(), 'cores': os.cpu_count(),
-        'load before': round(load_before(), 1), 'system': platform.system(),
+        'load before': round(os.getloadavg()[0], 1), 'system': platform.system(),
         'python': platform.python_version()}
 
 
@@ -117,8 +103,10 @@ def cells(figure: Figure, rivals: Sequence[str]) -> list[str]:
             *([found.get(each, '') for each in rivals] if rivals else [figure.beside])]
 
 
-def number(value: float) -> str:
+def number(value: float | None) -> str:
     """Return a number to three digits, without an exponent where it is large."""
+    if value is None:
+        return 'not measured'
     return f'{value:,.0f}' if value >= 1000 else f'{value:.3g}'
 
 

@@ -3,7 +3,7 @@
 """
 Processes for the bench programs: a simulated robot, the node or the floor, and listeners.
 
-All of them run in one ROS domain. Run nothing else in that domain meanwhile.
+All of a scene run in one ROS domain. Run nothing else in that domain meanwhile.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -25,7 +25,7 @@ from create_oi_ros.driver.stream import ESSENTIAL
 from create_oi_ros.ros.programs import PROGRAMS
 
 PROGRAM_FOLDER = Path(__file__).parent / 'programs'
-DOMAIN = os.environ.get('ROS_DOMAIN_ID', '83')
+DOMAIN = int(os.environ.get('ROS_DOMAIN_ID', '83'))
 TIMEOUT = 60.0
 """Seconds to wait for a line of output, and for a process to end."""
 MEGA = 1 << 20
@@ -40,13 +40,12 @@ FLOOR_LAYOUT = '>xx' + ''.join(
 
 
 class Process:
-    """A Python program as a child process; its standard output is read line by line."""
+    """A child process; its standard output is read line by line."""
 
-    def __init__(self, *arguments: str) -> None:
+    def __init__(self, *command: str, domain: int) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, *arguments], stdout=subprocess.PIPE, text=True,
-            stderr=subprocess.PIPE,
-            env={**os.environ, 'ROS_DOMAIN_ID': DOMAIN, 'PYTHONUNBUFFERED': '1'})
+            command, stdout=subprocess.PIPE, text=True, stderr=subprocess.PIPE,
+            env={**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'})
         self.errors: list[str] = []
         self._error_reader = threading.Thread(target=self._read_errors)
         self._error_reader.start()
@@ -76,17 +75,6 @@ class Process:
             line = self.line()
         return json.loads(line)
 
-    def processor_share(self, seconds: float) -> float:
-        """Wait; return the processor share of it and its descendants, % of one core."""
-        used, begun = processor_seconds(self.process.pid), monotonic()
-        sleep(seconds)
-        return 100 * (processor_seconds(self.process.pid) - used) / (monotonic() - begun)
-
-    def resident(self) -> float:
-        """Return its resident memory, without its children, MB."""
-        pages = Path(f'/proc/{self.process.pid}/statm').read_text('ascii').split()[1]
-        return int(pages) * os.sysconf('SC_PAGE_SIZE') / MEGA
-
     def close(self) -> None:
         """End the process; kill it if it does not end."""
         self.process.terminate()
@@ -98,13 +86,40 @@ class Process:
         self._error_reader.join()
 
 
-def processor_seconds(number: int) -> float:
-    """Return the processor time that a process and its descendants have used so far, seconds."""
-    used = 0.0
+def family(number: int) -> Iterator[int]:
+    """Yield the numbers of a process and its descendants."""
+    yield number
     for task in Path(f'/proc/{number}/task').iterdir():
-        used += int((task / 'schedstat').read_text('ascii').split()[0]) / 1e9
-        used += sum(map(processor_seconds, map(int, (task / 'children').read_text().split())))
-    return used
+        for child in (task / 'children').read_text('ascii').split():
+            yield from family(int(child))
+
+
+def processor_seconds(process: Process) -> float:
+    """Return the processor time that a process and its descendants have used so far, seconds."""
+    return sum(int((task / 'schedstat').read_text('ascii').split()[0]) / 1e9
+               for number in family(process.process.pid)
+               for task in Path(f'/proc/{number}/task').iterdir())
+
+
+def shares(seconds: float, *processes: Process) -> list[float]:
+    """
+    Wait; return the processor share of each with its descendants meanwhile, % of one core.
+
+    RuntimeError: one of them has ended; its error output says why.
+    """
+    for process in processes:
+        if process.process.poll() is not None:
+            raise RuntimeError(f'{process.process.args} has ended: {"".join(process.errors)}')
+    used, begun = list(map(processor_seconds, processes)), monotonic()
+    sleep(seconds)
+    return [100 * (processor_seconds(process) - before) / (monotonic() - begun)
+            for process, before in zip(processes, used)]
+
+
+def resident(number: int) -> float:
+    """Return the resident memory of a process, MB."""
+    pages = Path(f'/proc/{number}/statm').read_text('ascii').split()[1]
+    return int(pages) * os.sysconf('SC_PAGE_SIZE') / MEGA
 
 
 def drives(received: Sequence[tuple[float, str]]) -> Iterator[tuple[float, oi.DriveDirect]]:
@@ -118,17 +133,21 @@ def drives(received: Sequence[tuple[float, str]]) -> Iterator[tuple[float, oi.Dr
 class Scene:
     """The processes of one measurement; all of them end with it."""
 
-    def __init__(self, folder: Path, stack: ExitStack) -> None:
+    def __init__(self, folder: Path, stack: ExitStack, domain: int) -> None:
         self.folder = folder
+        self.domain = domain
         self._stack = stack
 
-    def start(self, *arguments: str) -> Process:
-        process = Process(*arguments)
+    def start(self, *command: str) -> Process:
+        process = Process(*command, domain=self.domain)
         self._stack.callback(process.close)
         return process
 
+    def python(self, *arguments: str) -> Process:
+        return self.start(sys.executable, *arguments)
+
     def program(self, name: str, *arguments: str) -> Process:
-        return self.start(str(PROGRAM_FOLDER / f'{name}.py'), *arguments)
+        return self.python(str(PROGRAM_FOLDER / f'{name}.py'), *arguments)
 
     def robot(self) -> Process:
         """Start a simulated robot that logs what it sends and receives; wait until it runs."""
@@ -163,17 +182,17 @@ class Scene:
         if floor:
             return self.program('floor', str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT,
                                 str(oi.DriveDirect.opcode))
-        return self.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={self.port}')
+        return self.python('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={self.port}')
 
     def listener(self, *topics: str) -> Process:
-        """Start a subscriber to these topics; wait until it has subscribed."""
+        """Start a subscriber to these topics, or to all; it subscribes as they appear."""
         listener = self.program('listener', *topics)
         listener.line()
         return listener
 
 
 @contextmanager
-def scene() -> Iterator[Scene]:
+def scene(domain: int = DOMAIN) -> Iterator[Scene]:
     """Yield a scene in a temporary folder; end its processes afterwards."""
     with TemporaryDirectory() as folder, ExitStack() as stack:
-        yield Scene(Path(folder), stack)
+        yield Scene(Path(folder), stack, domain)

@@ -129,18 +129,22 @@ def framed(rows: Callable[[], list[Row]]) -> str:
 # The measurements.
 
 
+BENCH, MEASURED = 'bench', 'measured'
+"""Labels of tables with and without the targets."""
 SHOWN = {'bench_odometry': re.compile(
     'deg a turn|(centre|ranges|sign|unsteady): % of the path$|NEES,|at some moment|worse than|'
     'first half minute|damaged line|logs of|an update')}
 """Which figures of a long table its page shows; `results.json` has all."""
 
 
-def figures(program: str) -> str:
-    """Return a program's figures in Markdown."""
-    results = load()
+def figures(label: str) -> str:
+    """Return a program's figures in Markdown; with `measured` before it, without targets."""
+    results, (kind, program) = load(), label.split()
     where = results[program]['where']
     shown = SHOWN.get(program, re.compile(''))
     chosen = [each for each in figures_of(results, program) if shown.search(each.what)]
+    if kind == MEASURED:
+        chosen = [each._replace(target=None) for each in chosen]
     heading, *body = rows_of(chosen)
     missed = any(each.verdict == 'missed' for each in chosen)
     return (f'{table(heading, body)}\n'
@@ -163,17 +167,16 @@ OPEN_INTERFACE: dict[str, Callable[[], str]] = {
     'table: packets': partial(framed, packets_table),
     'table: groups': partial(framed, groups_table), 'table: codes': partial(framed, codes_table)}
 BLOCKS = {**TABLES, **POLICY, **OPEN_INTERFACE}
-BENCH = 'bench '
 BLOCK = re.compile(
-    rf'(?P<start><!-- (?P<label>{"|".join(BLOCKS)}|{BENCH}\w+) -->\n).*?(?P<end><!-- end -->)',
-    re.DOTALL)
+    rf'(?P<start><!-- (?P<label>{"|".join(BLOCKS)}|{BENCH} \w+|{MEASURED} \w+) -->\n)'
+    r'.*?(?P<end><!-- end -->)', re.DOTALL)
 
 
 def rewritten(text: str) -> str:
     """Return a file with its generated blocks made again."""
     def block(found: re.Match[str]) -> str:
         label = found['label']
-        made = (figures(label.removeprefix(BENCH)) if label.startswith(BENCH) else BLOCKS[label]())
+        made = BLOCKS[label]() if label in BLOCKS else figures(label)
         return found['start'] + made + found['end']
     return BLOCK.sub(block, text)
 

@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Publishes a velocity ten times a second until SIGTERM: the robot drives in a circle."""
+"""Publishes a velocity 20 times a second until SIGTERM: the robot drives in a circle."""
 
 import signal
 from time import sleep
@@ -17,4 +17,4 @@ twist = Twist()
 twist.linear.x, twist.angular.z = 0.2, 0.5
 while rclpy.ok():
     publisher.publish(twist)
-    sleep(0.1)
+    sleep(0.05)
