@@ -149,10 +149,10 @@ def texts() -> str:
 def quoted() -> list[str]:
     """Return the log lines in the tables of faults."""
     page = (ROOT / 'docs' / 'if_nothing_happens.md').read_text('utf-8')
-    table = page[page.index('| symptom |'):].partition('\n\n')[0]
+    table = page[page.index('| log line |'):].partition('\n\n')[0]
     common = README[README.index('| you see |'):].partition('\n\n')[0]
     return [*LOG_LINE.findall(common), *(
-        line for row in table.splitlines()[2:] for line in LOG_LINE.findall(row.split(' | ')[1]))]
+        line for row in table.splitlines()[2:] for line in LOG_LINE.findall(row.split(' | ')[0]))]
 
 
 def test_the_log_lines_of_the_faults_are_those_of_the_code():
