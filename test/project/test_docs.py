@@ -127,6 +127,17 @@ def test_generated_blocks_are_made_from_the_code():
         assert rewritten(text) == text, 'run `make docs`'
 
 
+def test_what_pages_and_examples_import_is_declared_stable():
+    declared = (ROOT / 'QUALITY_DECLARATION.md').read_text('utf-8')
+    programs = [path.read_text('utf-8') for path in (*PAGES, *(ROOT / 'examples').glob('*.py'))]
+    taught = {(module, name.strip()) for text in programs for module, names in re.findall(
+        rf'^(?:>>> )?from ({PACKAGE}[\w.]*) import (.+)$', text, re.MULTILINE)
+        for name in names.split(',')}
+    assert ('create_oi_ros.ros.waiting', 'wait_for_robot') in taught
+    for module, name in taught:
+        assert re.search(rf'`{module}`( \([^)]*`{name}`|: the names)', declared) or name == 'oi'
+
+
 def test_the_container_starts_what_the_pages_start():
     command, = re.findall('^CMD (.*)', (ROOT / 'Dockerfile').read_text('utf-8'), re.MULTILINE)
     assert tuple(json.loads(command)) in ros2_commands()
