@@ -36,7 +36,8 @@ from .verdict import as_mapping, Finding, lines, of_gyro, of_wheels
 INTRODUCTION = """\
 A robot answers. It makes short moves, about five minutes in all, each of them back to where it
 began. It needs a hard, level floor with 1.2 m free ahead of it, 0.6 m behind it and 0.5 m to each
-side, and no stairs. It is in Safe mode: it stops at cliffs, but not at walls. Ctrl-C stops the wheels."""
+side, and no stairs. It is in Safe mode: it stops at cliffs, but not at walls. Ctrl-C stops the
+wheels."""
 ATTEMPTS = 3
 """How often a disturbed move is tried where nobody is there to ask."""
 OFF_THE_DOCK = Move((Segment(2.5, -150, -150),), Reads.END)
