@@ -59,9 +59,8 @@ class Parameters:
         Settings.recover_mode, 'Whether a fresh velocity command brings back a mode that a cliff, '
         'a wheel drop or a charger ended, once its cause has been gone for a second')
     cmd_vel_timeout: float = parameter(
-        MotionLimits.timeout,
-        'Watchdog: seconds after the last velocity command at which the wheels stop',
-        low=0.05, high=10.0, live=True)
+        MotionLimits.timeout, 'Watchdog: seconds after the last velocity command at which the '
+        'wheels stop', low=0.05, high=10.0, live=True)
     cmd_vel_type: str = parameter(
         'auto', 'Message of cmd_vel: geometry_msgs/Twist, TwistStamped, or auto: Twist until all '
         'publishers send TwistStamped, and back', choices=('auto', 'twist', 'stamped'))

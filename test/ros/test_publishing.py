@@ -96,8 +96,8 @@ def test_every_reading_has_its_field(stage):
     kinds = (IrOmni, Wall, Cliff, CargoBay, Charging, Song, BatteryState, Bumper, WheelDrop,
              Buttons, Overcurrent)
     assert set(kinds) == {topic.type for topic in SENSOR_TOPICS}, 'a new topic has its values here'
-    beam, wall, cliff, bay, charging, song, battery, bumper, drop, buttons, overcurrent = arrived(
-        stage, Moved(0.0, oi.Readings(FULL), Estimate()), *kinds)
+    beam, wall, cliff, bay, charging, song, battery, bumper, drop, buttons, overcurrent = (
+        arrived(stage, Moved(0.0, oi.Readings(FULL), Estimate()), *kinds))
     assert (beam.character, beam.name) == (137, 'remote_pause')
     assert (wall.wall, wall.virtual_wall, wall.signal) == (True, True, 4000)
     assert (cliff.left, cliff.front_left, cliff.front_left_signal) == (False, True, 17)
