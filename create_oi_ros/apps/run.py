@@ -193,7 +193,8 @@ def introduction(port: str, simulated: bool, namespace: str = '') -> str:
         lines += ['Watch a topic:', f'    ros2 topic echo {namespace}/bumper']
     if simulated:
         lines += ['Change its world; `help` lists how:',
-                  f'    create_sim --control {port}.control --say "bump left 0.5"']
+                  f'    {"" if environment else "ros2 run create_oi_ros "}create_sim --control '
+                  f'{port}.control --say "bump left 0.5"']
     return '\n'.join([
         *lines, 'Or see and drive it in a browser, at the address that is printed below.',
         'Ctrl-C stops the robot and everything here.'])

@@ -176,7 +176,7 @@ def _advice(url: str, error: Exception) -> str:
     if code == errno.ENOENT and '://' not in url:
         there = sorted(path for pattern in CANDIDATES for path in glob(pattern))
         found = f'there are {", ".join(there)}' if there else 'no serial port was found at all'
-        return f'{url} does not exist; {found}: is the cable in? or give another port'
+        return f'{url} does not exist; {found}: is the cable in? Or give another port'
     if code in (errno.ENOTTY, errno.EISDIR):
         return f'{url} is no serial port; give a device such as /dev/ttyUSB0'
     if code in (errno.EACCES, errno.EPERM):

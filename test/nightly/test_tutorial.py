@@ -290,7 +290,7 @@ def recorded() -> bool:
 
 @pytest.mark.parametrize(('page', 'count'), [
     ('README.md', 2), *(pytest.param(page, count, marks=pytest.mark.nightly) for page, count in (
-        ('docs/recording.md', 5), ('docs/simulator.md', 9),
+        ('docs/recording.md', 5), ('docs/simulator.md', 8),
         ('docs/web.md', 3)))])
 def test_the_commands_of_a_page_work(page, count, stage, tmp_path, monkeypatch):
     pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')

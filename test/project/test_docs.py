@@ -133,6 +133,17 @@ def test_a_wrong_row_is_made_again():
     assert rewritten(page.replace('| 137 | Drive |', '| 138 | Drive |')) == page
 
 
+def test_what_pages_and_examples_import_is_declared_stable():
+    declared = (ROOT / 'QUALITY_DECLARATION.md').read_text('utf-8')
+    programs = [path.read_text('utf-8') for path in (*PAGES, *(ROOT / 'examples').glob('*.py'))]
+    taught = {(module, name.strip()) for text in programs for module, names in re.findall(
+        rf'^(?:>>> )?from ({PACKAGE}[\w.]*) import (.+)$', text, re.MULTILINE)
+        for name in names.split(',')}
+    assert ('create_oi_ros.ros.waiting', 'wait_for_robot') in taught
+    for module, name in taught:
+        assert re.search(rf'`{module}`( \([^)]*`{name}`|: the names)', declared) or name == 'oi'
+
+
 def test_the_container_starts_what_the_pages_start():
     command, = re.findall('^CMD (.*)', (ROOT / 'Dockerfile').read_text('utf-8'), re.MULTILINE)
     assert tuple(json.loads(command)) in ros2_commands()
@@ -155,10 +166,10 @@ def texts() -> str:
 def quoted() -> list[str]:
     """Return the log lines in the tables of faults."""
     page = (ROOT / 'docs' / 'if_nothing_happens.md').read_text('utf-8')
-    table = page[page.index('| symptom |'):].partition('\n\n')[0]
+    table = page[page.index('| log line |'):].partition('\n\n')[0]
     common = README[README.index('| you see |'):].partition('\n\n')[0]
     return [*LOG_LINE.findall(common), *(
-        line for row in table.splitlines()[2:] for line in LOG_LINE.findall(row.split(' | ')[1]))]
+        line for row in table.splitlines()[2:] for line in LOG_LINE.findall(row.split(' | ')[0]))]
 
 
 def test_the_log_lines_of_the_faults_are_those_of_the_code():

@@ -106,10 +106,11 @@ def test_the_mode_of_another_driver_is_heard_while_it_runs(ready, other):
 
 
 def test_when_a_second_driver_has_ended_subscribers_have_the_state_of_the_first(stage):
-    stage.node(stage.robot().link)
+    first = stage.node(stage.robot().link)
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
     stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE)
     second = stage.node(stage.folder / 'nowhere')
+    stage.ros.until(lambda: 'another node is called /create' in first.output)
     stage.ros.until(lambda: modes[-1].mode == Mode.UNKNOWN, 'it has no robot')
     second.send(signal.SIGTERM)
     assert second.ended() == 0

@@ -71,8 +71,7 @@ class RobotLine:
 
     def health(self) -> Health:
         """Return what is known now."""
-        with self.session.request() as (driver, now):
-            return driver.health(now)
+        return self.session.health()
 
     def until(self, happened: Callable[[Health], bool], seconds: float) -> bool:
         """Wait until something is the case; False: it did not become so in time."""
