@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the documentation names exists, and what it quotes is what code and benches say."""
 
-import ast
 from collections.abc import Iterator
-import json
 import os
 from pathlib import Path
 import re
@@ -12,9 +10,8 @@ import subprocess
 
 from create_oi_ros.ros.reference import POLICY, rewritten, TABLES
 import document
-from results import Figure, figures_of, keep, load, rows
-from support.pages import ros2_commands
-from support.source import modules, PACKAGE, parsed, ROOT
+from results import figures_of, load
+from support.source import PACKAGE, ROOT
 
 MADE = {'build', 'install', 'log'}
 """Folders that `make` creates."""
@@ -106,7 +103,6 @@ def test_what_the_page_names_exists():
 
 README = (ROOT / 'README.md').read_text('utf-8')
 INTERFACE = (ROOT / 'docs' / 'interface.md').read_text('utf-8')
-LOG_LINE = re.compile(r'`([^`]*\.\.\.[^`]*)`')
 
 
 def test_generated_blocks_are_made_from_the_code():
@@ -123,41 +119,6 @@ def test_the_scripts_in_the_page_are_the_examples():
         assert f'```python\n{program}```' in INTERFACE
 
 
-def test_the_container_starts_what_the_pages_start():
-    command, = re.findall('^CMD (.*)', (ROOT / 'Dockerfile').read_text('utf-8'), re.MULTILINE)
-    assert tuple(json.loads(command)) in ros2_commands()
-
-
-def texts() -> str:
-    """Return the texts in the package's code; what varies in them is a line end."""
-    found = []
-    for path in modules(PACKAGE).values():
-        for node in ast.walk(parsed(path)):
-            match node:
-                case ast.JoinedStr(values=parts):
-                    found.append('\n'.join(str(part.value) for part in parts
-                                           if isinstance(part, ast.Constant)))
-                case ast.Constant(value=str(text)):
-                    found.append(text)
-    return '\n'.join(found)
-
-
-def quoted() -> list[str]:
-    """Return the log lines in the tables of faults."""
-    pages = README, (ROOT / 'docs' / 'if_nothing_happens.md').read_text('utf-8')
-    tables = [page[page.index('| symptom |'):].partition('\n\n')[0] for page in pages]
-    return [line for table in tables for row in table.splitlines()[2:]
-            for line in LOG_LINE.findall(row.split(' | ')[1])]
-
-
-def test_the_log_lines_of_the_faults_are_those_of_the_code():
-    said = texts()
-    assert quoted()
-    for line in quoted():
-        for clause in re.split(r'\.\.\.|[:;,] ', line):
-            assert clause.strip() in said, line
-
-
 # Bench results: they are saved, and in the documents as they were measured.
 
 
@@ -168,21 +129,3 @@ def test_every_bench_program_has_results_and_a_place_in_the_documents():
         assert any(f'<!-- bench {path.stem} -->' in page for page in pages.values()), path.stem
     for path, page in pages.items():
         assert document.documented(page, load()) == page, f'{path}: run `make docs`'
-
-
-def test_a_figure_says_whether_its_target_was_met():
-    assert Figure('a', 1.0, 's', 2.0).verdict == 'met'
-    assert Figure('a', 3.0, 's', 2.0).verdict == 'missed'
-    assert Figure('a', 3.0, 's', 2.0, at_least=True).verdict == 'met'
-    table = rows([Figure('a', 2.0, 's', 1.0, worst=2.5), Figure('b', 1.0, 's', beside='more')])
-    assert table == [['what', 'value', 'target', 'beside'],
-                     ['a', '2 s (at worst 2.5)', '**<= 1**', ''], ['b', '1 s', '', 'more']]
-
-
-def test_results_are_kept_beside_those_of_other_programs(tmp_path):
-    path = tmp_path / 'results.json'
-    first, second = [Figure('a', 1.0, 's', 2.0)], [Figure('b', 3.0, 'ms', worst=4.0)]
-    keep('one', first, {'date': 'then'}, path)
-    keep('two', second, {'date': 'now'}, path)
-    assert figures_of(load(path), 'one') == first
-    assert figures_of(load(path), 'two') == second
