@@ -19,6 +19,7 @@ import pytest
 from create_oi_ros.link import dead_man_process
 from create_oi_ros.link.dead_man import DeadMan, END_SIGNALS
 from create_oi_ros.link.dead_man_process import GOODBYE, watch
+from support.processes import dead_men
 
 WORDS = b'stop now'
 
@@ -42,8 +43,7 @@ def test_released_it_writes_nothing_and_ends(guarded):
     guard, reading = guarded
     guard.release()
     assert os.read(reading, 100) == b'', 'the line is closed, by it as well'
-    with pytest.raises(ProcessLookupError):
-        os.kill(guard._process.pid, 0)
+    assert not dead_men()
 
 
 def test_one_that_cannot_be_started_leaves_no_file_open(monkeypatch):
@@ -177,13 +177,13 @@ def test_a_line_with_little_room_gets_each_byte_once(blocking):
 
 def test_what_ends_its_parent_politely_does_not_reach_it(guarded):
     guard, reading = guarded
-    pid = guard._process.pid
+    pid, = dead_men()
     assert os.getsid(pid) == pid, 'the keys of a terminal do not reach it'
     for number in END_SIGNALS:
         os.kill(pid, number)
-    os.close(guard._pipe)
+    guard.trigger()
     assert read_words(reading) == WORDS
-    assert guard._process.wait() == 0
+    assert guard.ended
 
 
 @pytest.mark.parametrize(('word', 'heard'), [(GOODBYE, b''), (b'', WORDS), (b'x', WORDS)])

@@ -7,6 +7,7 @@ import errno
 import os
 from pathlib import Path
 from select import select
+import signal
 import socket
 import subprocess
 import sys
@@ -28,6 +29,7 @@ from create_oi_ros.oi.codes import FAST_BAUD, FAST_SPACING
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import shipped
+from support.processes import dead_men
 from support.ros import Robot, TIMEOUT
 from support.simulator import receive
 
@@ -331,16 +333,17 @@ def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypa
 
 def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
     monkeypatch.setattr(session, 'LEAST_LIFE', 0.0)
-    with robot_on(tmp_path / 'tty'), session_on(tmp_path / 'tty', dead_man=True) as (ours, heard):
+    with robot_on(tmp_path / 'tty'), session_on(tmp_path / 'tty', dead_man=True) as (_, heard):
         heard.wait_for('robot answers')
-        first = ours._dead_man._process.pid
-        os.kill(first, 9)
+        first, = dead_men()
+        os.kill(first, signal.SIGKILL)
         heard.wait_for('another one has been started')
-        assert ours._dead_man._process.pid != first
+        second, = dead_men()
+        assert second != first
         monkeypatch.setattr(session, 'LEAST_LIFE', 1000.0)
-        os.kill(ours._dead_man._process.pid, 9)
+        os.kill(second, signal.SIGKILL)
         heard.wait_for('drives on')
-        assert ours._dead_man is None
+        assert not dead_men()
 
 
 def test_at_an_orderly_end_the_dead_man_says_nothing(tmp_path):
