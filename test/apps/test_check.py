@@ -268,17 +268,3 @@ def test_what_cannot_be_is_asked_again_and_an_empty_answer_leaves_it_out(check, 
     assert "'a metre' is no number" in printed
     assert 'allowed is up to 20%' in printed and 'right unit' in printed
     assert abs(line.loop.body.truth().pose.x) < 0.05, 'it drove back'
-
-
-def test_without_a_tape_measure_nothing_moves(check):
-    found, line, questions = check('n')
-    assert found == {} and len(questions) == 1 and line.notebook.travelled == 0.0
-
-
-def test_a_move_that_is_disturbed_is_not_measured(check, capsys):
-    def lifted(line):
-        line.loop.body.lift(True)
-        return 'y'
-    found, _, _ = check(lifted)
-    assert found == {}
-    assert 'Not measured: ' in capsys.readouterr().out

@@ -113,14 +113,6 @@ def test_commands_are_recorded_in_the_type_of_their_publisher(stage, tmp_path, t
     assert commands.types() == [f'geometry_msgs/msg/{type_.__name__}']
 
 
-def test_a_publisher_that_has_sent_nothing_does_not_choose_the_type(stage, tmp_path):
-    stage.listener('silent').node.create_publisher(Twist, 'cmd_vel', 1)
-    stage.node(stage.robot().link, cmd_vel_type='stamped')
-    commands = Commands(stage, tmp_path / 'walk')
-    commands.publish(TwistStamped, topics=len(PUBLISHED) + 1)
-    assert commands.types() == ['geometry_msgs/msg/TwistStamped']
-
-
 def test_a_type_that_comes_later_is_named_since_a_bag_has_one(stage, tmp_path):
     commands = Commands(stage, tmp_path / 'walk')
     commands.publish(Twist).node.destroy_node()
@@ -130,15 +122,6 @@ def test_a_type_that_comes_later_is_named_since_a_bag_has_one(stage, tmp_path):
     stage.ros.until(lambda: named in commands.recorder.output)
     assert commands.types() == ['geometry_msgs/msg/Twist']
     assert commands.recorder.output.count(named) == 1
-
-
-def test_what_qos_overrides_make_best_effort_is_recorded(stage, tmp_path):
-    recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'), terminal=True)
-    stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
-    stage.node(stage.robot().link, **{
-        f'qos_overrides./{name}.publisher.reliability': 'best_effort'
-        for name in ('odom', 'bumper')})
-    stage.ros.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
 
 
 def test_an_existing_folder_is_left_alone(stage, tmp_path):
@@ -256,26 +239,6 @@ def test_the_metadata_is_what_rosbag2_of_jazzy_parses(walk):
         assert topic['serialization_format'] == 'cdr' and each['message_count'] > 0
         assert re.fullmatch('RIHS01_[0-9a-f]{64}', topic['type_description_hash'])
     assert depths.keys() == {'/imu/data'}, 'there is no gyro'
-
-
-def test_the_file_alone_has_the_same_metadata_of_its_topics(walk):
-    """`ros2 bag play` also takes a single .mcap file, without metadata.yaml."""
-    with Reader(walk.bag) as reader, Reader(walk.bag / 'walk_0.mcap') as alone:
-        folder, file = (
-            {each.topic: (each.msgtype, each.msgcount, each.ext) for each in bag.connections}
-            for bag in (reader, alone))
-    assert folder == file and len(file) == len(PUBLISHED) + 1
-
-
-def test_types_and_qos_in_the_bag_are_those_that_the_driver_offers(walk):
-    topics = {each['topic_metadata']['name']: each['topic_metadata']
-              for each in walk.metadata['topics_with_message_count']}
-    for name in NAMES:
-        offered, = walk.offered[name]
-        assert str(offered.topic_type_hash) == topics[name]['type_description_hash']
-        wanted, = topics[name]['offered_qos_profiles']
-        assert offered.qos_profile.durability.name.lower() == wanted['durability']
-        assert offered.qos_profile.reliability.name.lower() == wanted['reliability']
 
 
 def test_the_program_in_the_documentation_reads_the_bag_and_writes_its_track(walk, monkeypatch):

@@ -97,14 +97,6 @@ def test_a_bag_without_chunks_and_index_or_in_many_files_is_whole_without_metada
     assert not recording.faults and recording.storage == 'MCAP'
 
 
-def test_a_last_file_without_a_byte_is_no_obstacle(bag, whole, tmp_path):
-    split = copied(bag, tmp_path / 'walk', slices=2)
-    (split / 'walk_2.mcap').touch()
-    recording = shown(split)
-    assert_same(recording, whole)
-    assert UNCLOSED in told(recording)
-
-
 def test_a_file_that_is_missing_is_named(bag, tmp_path):
     shutil.copytree(bag, tmp_path / 'walk')
     metadata = tmp_path / 'walk' / 'metadata.yaml'
@@ -200,15 +192,3 @@ def test_reset_odometry_and_reset_pose_are_events(tmp_path, monkeypatch):
     assert [each.time for each in jumps] == pytest.approx([4.0, 8.0], abs=0.03)
     assert 'reset_odometry' in jumps[0].text and 'jumps by 3.00 m' in jumps[1].text
     assert travelled(recording) == pytest.approx(2.4, abs=0.02)
-
-
-def test_messages_that_are_recorded_late_are_no_jump(tmp_path, monkeypatch):
-    """A recorder that was held up writes an old message and the newest one after another."""
-    honest = bags.messages
-
-    def held_up(*arguments):
-        for time, topic, message in honest(*arguments):
-            if not 5.0 <= time < 6.0:
-                yield (5.99 if 4.98 < time < 5.0 else time), topic, message
-    monkeypatch.setattr(bags, 'messages', held_up)
-    assert not shown(bags.write(tmp_path / 'walk')).events.jumps.all

@@ -179,15 +179,6 @@ def test_values_follow_the_pointer_and_a_drag_zooms(opened):
     page.wait(lambda: 0.4 < time(page) < 0.55, 'a click chooses')
 
 
-def test_a_finger_moves_the_cursor(opened):
-    page = opened('phone')
-    chart = page.page.locator('.paper canvas').first
-    chart.scroll_into_view_if_needed()
-    box = chart.bounding_box()
-    page.page.touchscreen.tap(box['x'] + box['width'] / 2, box['y'] + 20)
-    page.wait(lambda: 0.3 < time(page) < 0.6, 'the time below the finger')
-
-
 def test_pointing_at_the_track_moves_the_cursor(opened):
     page = opened()
     end = page.text('#clock')
@@ -271,11 +262,3 @@ def test_keys_and_the_play_button_move_the_time(opened):
     page.page.get_by_role('button', name='Play').click()
     page.until(f'document.getElementById("slider").value === {LAST}')
     page.page.get_by_role('button', name='Play').wait_for()
-
-
-def test_charts_are_drawn_anew_in_the_dark(opened):
-    page = opened()
-    light = pictures(page, '.paper canvas')
-    page.page.emulate_media(color_scheme='dark')
-    page.wait(lambda: all(one != other for one, other in zip(
-        light, pictures(page, '.paper canvas'), strict=True)), 'all in other colours')

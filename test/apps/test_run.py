@@ -7,8 +7,6 @@ from math import dist, inf, nan, pi
 from pathlib import Path
 import re
 import signal
-import subprocess
-import sys
 
 from create_oi_msgs.msg import Bumper, Mode
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -29,7 +27,7 @@ from create_oi_ros.ros.diagnostics import LINK
 from create_oi_ros.ros.messages import of_yaw
 from create_oi_ros.ros.topics import LATCHED
 from create_oi_ros.sim.server.create_sim import say
-from support.ros import children_of, TIMEOUT
+from support.ros import children_of
 from support.web import ADDRESS, PageClient, ready
 from tf2_msgs.msg import TFMessage
 
@@ -67,13 +65,6 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     assert not any(Path(f'/proc/{child}').exists() for child in children)
     *_, last = records_of([path.read_bytes()], CaptureReader())
     assert last.kind is RecordKind.END
-
-
-def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
-    monkeypatch.setenv('CREATE_OI_ENV', '/home/me/my clone/env.sh')
-    text = create_run.introduction('/tmp/port', simulated=True)
-    assert "source '/home/me/my clone/env.sh'" in text
-    assert "python '/home/me/my clone/examples/drive.py'\n" in text
 
 
 def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_in_its_namespace(stage):
@@ -118,18 +109,6 @@ def test_a_missing_port_is_reported_and_run_continues(stage):
     assert 'token' not in run.output
     run.send(signal.SIGINT)
     assert run.ended() == 0
-
-
-def test_a_child_whose_parent_died_before_it_could_ask_ends():
-    late = """
-import os, signal, sys
-from create_oi_ros.ros.process import end_with_parent
-signal.signal(signal.SIGTERM, lambda *_: None)  # as create_run's, which its child inherits
-end_with_parent(parent=os.getpid())  # not its parent
-sys.exit('it runs on')
-"""
-    ended = subprocess.run([sys.executable, '-c', late], timeout=TIMEOUT)
-    assert ended.returncode == -signal.SIGTERM
 
 
 def test_when_a_child_ends_everything_ends(stage):
@@ -238,38 +217,6 @@ def test_the_usual_line_counts_frames_anew_each_second():
     assert ' -170 deg' in driving(yaw=190 * pi / 180).line(), 'within half a turn'
 
 
-def test_a_script_is_shown_with_the_time_that_it_takes():
-    status = driving()
-    status.take(diagnostics('driver', DiagnosticStatus.OK, 'driving'))
-    assert 'driving' not in status.line()
-    status.take(diagnostics('driver', DiagnosticStatus.WARN, (
-        'a script plays, and the robot ignores everything while it waits, a stop included: let '
-        'it end, or switch the robot off by its Power button (it plays for about 3 s more)')))
-    assert status.line() == (
-        'SAFE  x +1.00 y +0.00 m    +0 deg  a script plays (it plays for about 3 s more)')
-
-
-def test_a_short_bump_is_shown_once_and_a_long_one_until_it_ends():
-    status = driving()
-    status.take(Bumper(left=True))
-    status.take(Bumper())
-    assert 'BUMP left  ' in status.line()
-    assert 'BUMP' not in status.line()
-    status.take(Bumper(left=True, right=True))
-    assert [('BUMP left and right' in status.line()) for _ in range(2)] == [True, True]
-    status.take(Bumper())
-    status.line()
-    assert 'BUMP' not in status.line()
-
-
-def test_the_reason_of_a_mode_is_shown_alone():
-    status = driving()
-    status.take(Mode(mode=Mode.UNKNOWN, wanted=Mode.SAFE, reason='no robot answers'))
-    status.take(diagnostics('driver', DiagnosticStatus.WARN, 'no answer yet'))
-    assert 'no robot answers' in status.line()
-    assert 'no answer yet' not in status.line()
-
-
 @pytest.mark.parametrize(('message', 'shown'), [
     (f'{PORT} does not exist; there are /dev/ttyUSB1: is the cable in?',
      'port does not exist; there are /dev/ttyUSB1: is the ca'),
@@ -334,39 +281,6 @@ def test_scans_of_a_room_come_as_slam_and_nav2_expect_them(stage):
     run.send(signal.SIGINT)
     assert run.ended() == 0
     assert 'Traceback' not in run.output
-
-
-FRAMES = """
-/robot1/create:
-  ros__parameters: {odom_frame: robot1/odom, base_frame: robot1/base_link}
-"""
-
-
-@pytest.mark.parametrize(('arguments', 'tree'), [
-    (['-p', 'base_frame:=base_link'], ['odom', 'base_link', 'laser']),
-    (['-r', '__ns:=/robot1', '--params-file', 'frames.yaml'],
-     ['robot1/odom', 'robot1/base_link', 'robot1/laser'])])
-def test_what_run_starts_shares_the_frames_of_the_robot(
-        stage, tmp_path, monkeypatch, arguments, tree):
-    monkeypatch.chdir(tmp_path)
-    Path('frames.yaml').write_text(FRAMES)
-    space = '/robot1' if '/' in tree[0] else ''
-    stage.program('create_run', '--world', 'room', '--lidar', '--ros-args', *arguments)
-    scans = stage.ros.listen(LaserScan, f'{space}/scan', qos_profile_sensor_data)
-    moving = stage.ros.listen(TFMessage, '/tf')
-    fixed = stage.ros.listen(TFMessage, '/tf_static', LATCHED)
-    stage.ros.until(lambda: scans and moving and fixed)
-    found = {(each.header.frame_id, each.child_frame_id)
-             for message in (*moving, *fixed) for each in message.transforms}
-    assert found == {(tree[0], tree[1]), (tree[1], tree[2])}
-    assert {each.header.frame_id for each in scans} == {tree[2]}
-
-
-def test_a_lidar_without_a_driver_says_what_it_waits_for(stage):
-    stage.program('create_sim', '--link', str(stage.folder / 'create'), '--control',
-                  str(stage.folder / 'control'), '--world', 'empty')
-    lidar = stage.program('create_lidar', '--control', str(stage.folder / 'control'))
-    stage.ros.until(lambda: 'waits for a driver, whose frame it shares' in lidar.output)
 
 
 def test_where_nothing_is_near_all_ranges_are_infinite_and_the_end_of_the_robot_is_its_end(stage):

@@ -4,18 +4,20 @@
 
 from contextlib import closing
 import http.client
+from math import nan
 import signal
 import socket
-from threading import Thread
 
 import aiohttp
 from geometry_msgs.msg import Twist
 import pytest
-from std_srvs.srv import Trigger
 
-from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
+from create_oi_ros.apps.web.access import BURST, DriverSeat, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
+from create_oi_ros.apps.web.live_robot import BatteryTime, MOST_POINTS, TrackLog
+from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.oi import LedBits, Mode
+from create_oi_ros.ros.collector import FlatPose
 from create_oi_ros.sim.world import shipped
 from support.simulator import taught
 from support.web import IN_TIME, LONG, ready, Relay, served, standing, stops_in_time
@@ -129,6 +131,15 @@ def test_one_page_drives_and_others_watch_until_they_take_over(shared, pages):
     page.until(lambda: page.known['seat']['driver'] is None)
 
 
+@pytest.mark.parametrize('end', [
+    lambda seat: seat.release(1), lambda seat: seat.leave(1), lambda seat: seat.take_over(2)])
+def test_letting_go_leaving_and_taking_over_stop_the_wheels_at_once_and_once(end):
+    seat = DriverSeat()
+    assert seat.drive(1, Velocity(0.2, 0.0), 0.0, 0.0)
+    assert end(seat) and not seat.driving
+    assert not end(seat)
+
+
 def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(shared, pages):
     robot, page = shared.robot, shared.driving(pages)
     other = ready(pages(page.address))
@@ -146,15 +157,6 @@ def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(shared, page
     page.drive(0.2, 0.0, lambda: not standing(robot))
 
 
-def test_a_driver_that_takes_stamped_commands_gets_them(stage, pages):
-    page = ready(pages(started(stage, cmd_vel_type='stamped')[1]))
-    page.drive(0.2, 0.0, lambda: page.known['pose']['speed'] > 0.1)
-    stage.ros.until(lambda: [
-        each.topic_type for each in stage.ros.node.get_publishers_info_by_topic('cmd_vel')
-    ] == ['geometry_msgs/msg/TwistStamped'])
-    page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.02)
-
-
 def test_who_only_listens_to_commands_is_no_driver_and_does_not_choose_their_type(stage, pages):
     recorded = stage.listener('recorder').listen(Twist, 'cmd_vel')
     page = pages(served(stage)[1])
@@ -165,32 +167,6 @@ def test_who_only_listens_to_commands_is_no_driver_and_does_not_choose_their_typ
     stage.node(robot.link, cmd_vel_type='stamped')
     ready(page).drive(0.2, 0.0, lambda: not standing(robot))
     assert not recorded
-
-
-def test_without_a_driver_nothing_is_commanded_and_the_page_is_told(stage, pages):
-    page = pages(served(stage)[1])
-    page.until(lambda: page.known.get('driver_found') is False and page.known['silent'])
-    page.send('drive', linear=0.2, angular=0.0, seen=page.known['at'])
-    assert page.reply()['text'] == 'no driver takes /cmd_vel: start one with create_run'
-    page.send('dock')
-    assert page.reply()['text'] == f'no driver offers /dock in ROS domain {stage.domain}'
-
-
-def test_a_service_that_is_discovered_late_is_called(stage, pages):
-    page = pages(served(stage)[1])
-    page.until(lambda: page.known.get('driver_found') is False)
-    page.send('stop')
-
-    def stop(request, response):
-        response.success, response.message = True, 'stopped'
-        return response
-    stage.ros.node.create_service(Trigger, 'stop', stop)
-    reply = []
-    thread = Thread(target=lambda: reply.append(page.reply()))
-    thread.start()
-    stage.ros.until(lambda: reply)
-    thread.join()
-    assert (reply[0]['to'], reply[0]['ok']) == ('stop', True)
 
 
 def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(shared, pages):
@@ -229,8 +205,12 @@ def test_leds_are_set_and_the_odometry_is_reset(shared, pages):
 def test_bad_messages_are_answered_and_nothing_moves(shared, pages):
     robot, address = shared.robot, shared.address
     page = ready(pages(address))
-    for text in ('{', '{"type": "fly"}', '{"type": "set_mode", "mode": "off"}',
-                 '{"type": "drive", "linear": NaN, "angular": 0, "seen": 0}'):
+    for text in ('{', '[' * 4000, '{"type": "fly"}', '{"type": "set_mode", "mode": "off"}',
+                 '{"type": "drive", "linear": NaN, "angular": 0, "seen": 0}',
+                 '{"type": "drive", "linear": 0.51, "angular": 0, "seen": 0}',
+                 '{"type": "drive", "linear": 0.1, "angular": 0}',
+                 '{"type": "cancel", "what": "all"}', '{"type": "release", "more": 1}',
+                 '{"type": "dock", "far": 1}', '{"type": "set_leds", "power_color": 256}'):
         page.send_text(text)
         reply = page.reply()
         assert not reply['ok'] and 'allowed' in reply['text'] or 'no JSON' in reply['text']
@@ -261,6 +241,29 @@ def test_one_page_too_many_is_told_so(shared, pages):
     assert pages(address).close_code is None
 
 
+# What a page is told of a long drive.
+
+def test_a_track_of_days_stays_small_and_goes_all_the_way():
+    track = TrackLog()
+    for second in range(60_000):
+        track.add(FlatPose(0.5 * second, 0.0, 0.0))
+    xs = track.since(0)[::2]
+    assert len(xs) <= MOST_POINTS and (xs[0], xs[-1]) == (0.0, 0.5 * 59_999)
+    assert max(b - a for a, b in zip(xs, xs[1:])) <= 8.0
+    assert track.since(len(track) - 1) == [xs[-1], 0.0]
+
+
+def test_the_time_of_the_battery_is_its_charge_over_the_mean_current():
+    def left(current: float, now: float = 0.0, charge: float = 2.0) -> float | None:
+        return time.left(charge=charge, capacity=3.0, current=current, now=now)
+    time = BatteryTime()
+    assert left(-1.0) == 120 and 110 < left(-2.0, 1.0) < 120
+    assert left(1.0, 2.0) == 60, 'the charger has come'
+    for unknown in ({'current': -0.03}, {'current': nan}, {'current': -1.0, 'charge': nan}):
+        time = BatteryTime()
+        assert left(**unknown) is None
+
+
 # Who may come in.
 
 def refusal(open_page, address, **arguments) -> int:
@@ -272,10 +275,12 @@ def refusal(open_page, address, **arguments) -> int:
 
 def test_only_this_computer_and_this_page_come_in(shared, pages):
     address = shared.address
-    assert refusal(pages, address, origin='http://evil.example') == 403
-    assert refusal(pages, address, origin='null') == 403
-    assert get(address, '/')[0] == 200
-    assert get(address, '/', Host='evil.example')[0] == 403
+    base = address.rstrip('/')
+    for origin in ('http://evil.example', 'null', f'{base}.evil.example', f'{base[:-1]}'):
+        assert refusal(pages, address, origin=origin) == 403, origin
+    assert get(address, '/')[0] == get(address, '/', Host='localhost')[0] == 200
+    for host in ('evil.example', '127.0.0.1.evil.example', 'localhost@evil.example'):
+        assert get(address, '/', Host=host)[0] == 403, host
     assert get(address, '/live')[0] == 403
     for path in ('/../setup.py', '/%2e%2e/index.html', '/page/index.html', '/index.html/',
                  '/nothing.js', '//', '/__init__.py'):

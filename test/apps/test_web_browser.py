@@ -9,7 +9,6 @@ the origin, in Safe, with nothing around it but a wall 1.5 m ahead.
 
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir, closing
-import math
 from pathlib import Path
 import re
 import signal
@@ -20,9 +19,6 @@ from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import BatteryState
 
-from create_oi_ros.driver.goal_control import COMMANDED, TAKEN_OVER
-from create_oi_ros.driver.songs import WAIT
-from create_oi_ros.driver.state import Activity, DRIVE_REFUSALS, REFUSALS, StateEvent
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import parse
 from support.browser import OpenPage
@@ -219,31 +215,6 @@ def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage,
     stops_in_time(stage.ros, robot)
 
 
-def test_the_speed_limit_limits_and_is_remembered(stage, robot, shown):
-    page = shown()
-    page.page.locator('#limit').focus()
-    for _ in range(10):
-        page.page.keyboard.press('ArrowLeft')
-    page.page.reload()
-    page.live()
-    assert page.text('#limit-text') == '0.05 m/s'
-    page.grab(0.0, 0.9)
-    stage.ros.until(lambda: robot.create.actuators.wheels.left == 50)
-    page.page.mouse.up()
-
-
-def test_another_page_watches_until_it_takes_over(stage, robot, shown):
-    first, second = shown(), shown('phone')
-    first.grab(0.0, 0.7)
-    stage.ros.until(lambda: not standing(robot))
-    second.until(why('the computer drives'))
-    second.page.get_by_role('button', name='Take over').click()
-    stops_in_time(stage.ros, robot)
-    first.until('document.getElementById("chip-seat").textContent.startsWith("another page")')
-    assert second.text('#chip-seat') == 'you drive, 2 pages open'
-    first.page.mouse.up()
-
-
 def press_stop(address: str) -> None:
     """Press STOP as another page does; on a thread without Playwright's event loop."""
     with closing(PageClient(address)) as other:
@@ -420,32 +391,6 @@ def test_one_finger_scrolls_the_page_and_two_move_the_map(shown):
     assert page.page.locator('#follow[aria-pressed=true]').count() == 1
 
 
-def test_dragging_the_map_ends_following_and_a_button_begins_it(shown):
-    page = shown().page
-    box = page.locator('#map-canvas').bounding_box()
-    page.mouse.move(box['x'] + 200, box['y'] + 200)
-    page.mouse.down()
-    page.mouse.move(box['x'] + 300, box['y'] + 250, steps=3)
-    page.mouse.up()
-    page.wait_for_selector('#follow[aria-pressed=false]')
-    page.mouse.wheel(0, -300)
-    page.get_by_role('button', name='Follow').click()
-    page.wait_for_selector('#follow[aria-pressed=true]')
-
-
-def test_the_page_can_live_on_a_home_screen(shown):
-    page = shown('phone')
-    manifest = page.evaluate("""fetch(document.querySelector('link[rel=manifest]').href)
-        .then(answer => answer.json())""")
-    assert manifest['name'] == 'Create'
-    types = page.evaluate("""Promise.all(['icon.svg', 'icon.png'].map(name => fetch(name).then(
-        answer => answer.headers.get('Content-Type').split(';')[0])))""")
-    assert types == ['image/svg+xml', 'image/png']
-    assert {each['type'] for each in manifest['icons']} == set(types)
-    black = page.evaluate("document.querySelector('#piano .black').offsetWidth")
-    assert black >= 28, 'a finger hits it'
-
-
 # Doing.
 
 def test_modes_and_leds_are_set_and_full_only_when_its_button_is_held(stage, robot, shown):
@@ -542,45 +487,6 @@ def test_a_way_through_a_wall_is_red_and_a_cancel_is_no_error(stage, robot, show
     stage.ros.until(lambda: robot.create.demo is None)
 
 
-def test_the_way_that_a_form_asks_for_is_drawn_and_red_through_a_wall_before_go(robot, shown):
-    page = shown()
-    warns = "document.getElementById('goal-way').textContent.includes('through a wall')"
-
-    def color(right: float, up: float) -> str:
-        """Return the colour of a way at a place of the map, metres from the robot."""
-        return page.evaluate(f"""(() => {{
-            const canvas = document.getElementById('map-canvas');
-            const metre = 90 * devicePixelRatio, top = canvas.height / 2 - {up} * metre - 5;
-            const column = canvas.getContext('2d').getImageData(
-                canvas.width / 2 + {right} * metre, top, 1, 11).data;
-            for (let at = 0; at < column.length; at += 4) {{
-                const [red, , blue] = column.slice(at, at + 3);  // edges are paler
-                if (Math.abs(red - blue) > 60) return red > blue ? 'red' : 'blue';
-            }}
-            return '';
-        }})()""")
-    page.page.locator('#goal-distance').fill('1.2')
-    page.wait(lambda: color(0.6, 0) == 'blue', 'a way is drawn')
-    assert not page.evaluate(warns)
-    page.page.locator('#goal-distance').fill('1.5')
-    page.wait(lambda: color(0.6, 0) == 'red', 'it is red')
-    assert page.evaluate(warns)
-    page.page.locator('#goal-name').select_option('drive_arc')
-    page.page.locator('#goal-radius').fill('1')
-    page.page.locator('#goal-angle').fill('90')
-    page.wait(lambda: color(math.sin(0.7), 1 - math.cos(0.7)) == 'blue', 'a circle is drawn')
-    assert not page.evaluate(warns)
-    page.page.locator('#goal-angle').fill('-180')
-    page.page.locator('#goal-radius').fill('1.6')
-    page.until(warns)
-    page.page.mouse.click(5, 5)  # not in the form any more
-    page.wait(lambda: color(math.sin(0.7), math.cos(0.7) - 1) == '', 'nothing is drawn')
-    page.page.locator('#goal-radius').fill('')
-    page.page.get_by_role('button', name='Go', exact=True).click()
-    assert page.page.locator('#goal-radius:invalid').count() == 1
-    assert 'circle' not in page.text('#goal-text') and standing(robot), 'nothing is sent'
-
-
 def test_a_recording_is_made_and_its_report_is_offered(stage, robot, shown):
     page = shown()
     page.page.get_by_role('button', name='Record').click()
@@ -600,30 +506,6 @@ def test_a_recording_is_made_and_its_report_is_offered(stage, robot, shown):
 
 
 # Texts, tokens, other servers.
-
-REPLIES = {
-    WAIT: 'wait until it has ended',
-    f'a song plays: {WAIT}': 'a song plays: wait until it has ended',
-    'robot is in PASSIVE: call set_mode with SAFE first': 'robot is in PASSIVE: press Safe',
-    DRIVE_REFUSALS[Activity.DEMO]: 'a demo runs: press STOP, then press Safe',
-    DRIVE_REFUSALS[Activity.DOCKING]: 'a goal looks for the dock: press Cancel, or press STOP',
-    REFUSALS[Activity.CLOSED]: REFUSALS[Activity.CLOSED],
-    'in PASSIVE: send the goal undock, it is on its dock (dock and undock are actions)':
-        'in PASSIVE: it is on its dock, press Leave the dock',
-    COMMANDED.text: 'a velocity command took over',
-    TAKEN_OVER[StateEvent.PASSIVE_SET][1]: 'PASSIVE was set: press Safe, then send the goal again',
-    'drive_distance: distance = 5000 m; allowed: -1000 to 1000':
-        'distance = 5000 m; allowed: -1000 to 1000',
-    'recording on: /home/ada/my_bags/record-1': 'recording on: /home/ada/my_bags/record-1',
-}
-
-
-def test_what_the_driver_says_to_programs_is_said_in_words_for_people(stage, pages):
-    said = pages(stage.address).evaluate("""async texts => {
-        const { forPeople } = await import('/panels.js');
-        return texts.map(forPeople);
-    }""", list(REPLIES))
-    assert said == list(REPLIES.values())
 
 
 def test_texts_of_others_are_no_html(stage, pages, other):
@@ -671,18 +553,3 @@ def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, r
     # The browser says that the first answers were refusals, and of connections that failed.
     assert all('40' in error or 'WebSocket' in error or 'ERR_' in error for error in page.errors)
     page.errors.clear()
-
-
-def test_charts_show_the_newest_value_and_can_be_held(stage, robot, shown):
-    """What the pointer does on charts is told by the report, whose charts these are."""
-    page = shown()
-    newest = 'parseFloat(document.querySelector(".chart-values").textContent)'
-    page.grab(0.0, 0.7)
-    page.until(f'{newest} > 0.1')
-    page.page.mouse.up()
-    page.until(f'{newest} === 0')
-    page.page.locator('#chart-pause').click()
-    page.grab(0.0, 0.7)
-    page.until('parseFloat(document.getElementById("speed").textContent) > 0.1')
-    page.page.mouse.up()
-    assert page.evaluate(f'{newest} === 0'), 'the charts are held'

@@ -96,16 +96,6 @@ def test_a_goal_ends_by_cancel_stop_and_take_over(shared, robot, opened):
     assert page.reply()['text'].startswith('another page drives')
 
 
-def test_the_stick_takes_over_from_a_goal(robot, opened):
-    page = opened()
-    sets_out(page, robot, 'drive_distance', **LONG_WAY)
-    page.drive(-0.1, 0.0, lambda: page.replies)
-    reply = page.reply()
-    assert (reply['to'], reply['ok']) == ('drive_distance', False)
-    assert 'a velocity command took over' in reply['text']
-    page.drive(-0.1, 0.0, lambda: page.known['pose']['speed'] < -0.05)
-
-
 def test_stop_right_behind_a_goal_stops_it(shared, robot, opened):
     page = opened()
     page.send('drive_distance', **LONG_WAY)
@@ -125,22 +115,6 @@ def test_a_goal_ends_when_the_network_of_its_page_fails(shared, robot, opened):
         relay.freeze()
         witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
         shared.ros.until(lambda: standing(robot))
-
-
-def test_a_tune_plays_while_the_robot_drives_and_is_canceled_by_itself(robot, opened):
-    page, witness = opened(), opened()
-    page.send('audio_note_sequence', notes='G4:0.1 C5:0.1')
-    assert page.reply()['ok']
-    sets_out(page, robot, 'drive_distance', **LONG_WAY)
-    page.send('audio_note_sequence', notes='G4:1/4 C5:1/4 ' * 20)
-    witness.until(lambda: goal_of(witness, 'tune').get('feedback'))
-    assert goal_of(witness, 'tune')['feedback']['note'] in ('G4', 'C5')
-    witness.until(lambda: goal_of(witness).get('state') == 'under way' and not standing(robot))
-    witness.send('cancel', what='tune')
-    reply = page.reply()
-    assert (reply['to'], reply['ok']) == ('audio_note_sequence', False)
-    witness.until(lambda: goal_of(witness, 'tune')['state'] == 'canceled')
-    assert not standing(robot)
 
 
 def test_a_goal_ends_when_its_page_or_the_driver_goes(shared, robot, opened):

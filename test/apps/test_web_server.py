@@ -76,11 +76,6 @@ def test_bad_http_is_refused_and_others_are_served(server, bad):
     assert 'Traceback' not in web.output
 
 
-def test_the_server_says_no_version(server):
-    assert ask(server[1], '/').headers['Server'] == 'create_web'
-    assert ask(server[1], '/nothing').headers['Server'] == 'create_web'
-
-
 def test_tokens_that_fail_are_answered_one_after_the_other_and_not_too_many(server):
     port, asked = port_of(server[1]), []
     with ExitStack() as opened:

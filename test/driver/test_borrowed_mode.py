@@ -180,29 +180,21 @@ def test_a_hazard_that_ended_the_mode_is_not_overruled():
 # What is refused changes nothing.
 
 
-@pytest.mark.parametrize('second', [lambda: distance(0.2), lambda: angle(-20)])
-def test_a_goal_that_could_not_run_ends_no_search_for_the_dock(second):
+def test_a_goal_that_could_not_run_ends_no_search_for_the_dock():
     loop, goal = searching(Mode.PASSIVE)
-    refused = pursue(loop, second())
+    refused = pursue(loop, distance(0.2))
     assert refused.code is Code.MODE
     assert refused.text.startswith('not started; ') and 'set_mode with SAFE' in refused.text
     assert until_ended(loop, goal).docked
 
 
-def test_an_undock_of_a_robot_that_is_on_no_dock_ends_no_other_goal():
-    loop = met()
-    goal = start(loop, distance(0.4))
-    loop.run(0.5)
-    assert pursue(loop, Undock(0.0)).code is Code.NO_DOCK
-    assert until_ended(loop, goal).code is Code.NONE
-
-
-def test_a_goal_against_a_pressed_bumper_ends_no_other_goal():
+def test_a_goal_that_cannot_begin_ends_no_other_goal():
     loop = met()
     loop.body.force(bump_right=1)
     loop.run(0.1)
     goal = start(loop, distance(-0.4))
     loop.run(0.5)
+    assert pursue(loop, Undock(0.0)).code is Code.NO_DOCK
     assert pursue(loop, distance(0.2)).code is Code.BUMP
     assert until_ended(loop, goal).code is Code.NONE
 
@@ -219,7 +211,7 @@ def test_a_script_ends_no_search_for_the_dock():
 
 
 @pytest.mark.parametrize('mode', [Mode.SAFE, Mode.FULL, Mode.PASSIVE])
-@pytest.mark.parametrize('after', [0.0, 0.02, 0.3, 0.7, 1.0])
+@pytest.mark.parametrize('after', [0.0, 0.02, 0.7])
 @pytest.mark.parametrize('delay', [0.0, 0.04])
 def test_a_mode_does_not_wait_for_the_pause_of_a_search_that_it_calls_off(mode, after, delay):
     loop = Loop(Settings(), world=BASE, config=DEFAULT_BODY, delay=delay)

@@ -33,7 +33,7 @@ def test_the_robot_is_found_at_its_rate(baud):
 
 
 @pytest.mark.parametrize(('baud', 'limit'), [(57600, 1.0), (0, 1.5)])
-@pytest.mark.parametrize('off', [0.5 * number for number in range(1, 17)])
+@pytest.mark.parametrize('off', [0.5, 1.5, 4.0, 8.0])
 def test_a_robot_that_was_off_is_back_in_time(baud, limit, off):
     loop = Loop(Settings(baud=baud), robot_baud=57600)
     loop.run(0.5)
@@ -193,15 +193,6 @@ def test_a_robot_that_restarts_and_does_not_answer_is_told_of_after_all(met):
     assert told[1].startswith('no answer at 57600 baud')
 
 
-def test_a_robot_that_has_restarted_may_be_silent_later():
-    loop = Loop()
-    brown_out(loop)
-    loop.run(6.0)
-    loop.cut = True
-    loop.run(0.6)
-    assert 'the robot is off, asleep or unplugged' in texts(loop.notices, Severity.ERROR)[-1]
-
-
 @pytest.mark.parametrize('opened', range(1, 1 + len(QUESTIONS)))
 @pytest.mark.parametrize('robot_baud', RATES)
 def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(robot_baud, opened):
@@ -227,12 +218,3 @@ def test_a_robot_that_drives_is_stopped_when_the_driver_connects(begun):
         oi.Start(), oi.Full(), oi.DriveDirect(right=300, left=300))) + begun, loop.now)
     loop.run(0.3)  # the first call
     assert loop.body.truth().speed == 0
-
-
-def test_without_a_port_nothing_is_counted_and_a_stop_and_the_end_send_nothing():
-    driver = Driver()
-    assert set(vars(driver.counts).values()) == {0}
-    assert driver.status.reason == 'no robot answers'
-    assert driver.stop(0.0).outcome.ok is False
-    driver.shut_down(0.1)
-    assert driver.data_to_send() == b''

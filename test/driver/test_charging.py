@@ -3,26 +3,21 @@
 """The battery by voltage, charge and current: low, empty, charged, and not charged on its dock."""
 
 from dataclasses import replace
-from math import pi
 from re import fullmatch
 
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, Charging, LowBatteryAction, Settings, Severity
-from create_oi_ros.driver.battery import Battery, CHARGE_WAIT, charging, LEVEL_DELAY
-from create_oi_ros.driver.core import Core
+from create_oi_ros.driver.battery import CHARGE_WAIT, charging, LEVEL_DELAY
 from create_oi_ros.driver.goals import Code, Dock, Undock
-from create_oi_ros.driver.mode import Modes
-from create_oi_ros.driver.outputs import Outputs
 from create_oi_ros.oi import ChargingState, Mode
 from create_oi_ros.sim.body.config import DEFAULT_BODY
-from create_oi_ros.sim.world import parse, Pose
+from create_oi_ros.sim.world import parse
 from support.goals import pursue
 from support.loop import Loop, said, texts
 
 BASE = parse('start 0.1655 0 180\nhome_base 0 0 0', 'base')
-AWAY = Pose(0.9, 0.0, pi)
 
 
 def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
@@ -38,91 +33,22 @@ def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
     assert loop.robot.mode is oi.Mode.SAFE
 
 
-# From the battery's voltage to its level, to the second.
-
-
 FINE, LOW, EMPTY = BatteryLevel
 
 
-def readings(millivolts: int, sources: int = 0, current: int = -300) -> oi.Readings:
-    """Return what a frame says of the battery."""
-    return oi.Readings({'voltage': millivolts, 'charging_sources': sources, 'current': current})
-
-
-class Watch:
-    """The battery of a robot."""
-
-    def __init__(self) -> None:
-        self.core = Core(Settings(battery_low=13.5, battery_empty=12.5), lambda *_: None)
-        self.battery = Battery(self.core, Modes(self.core, Outputs(self.core)))
-
-    @property
-    def level(self) -> BatteryLevel:
-        """The level by now."""
-        return self.battery.level
-
-    def observe(self, frame: oi.Readings, now: float) -> bool:
-        """Take a frame in; return whether somebody is told."""
-        self.core.events.clear()
-        self.battery.observe(frame, now)
-        return bool(self.core.events)
-
-
-def test_a_level_is_reached_after_five_seconds_and_told_once():
-    watch = Watch()
-    seen = [(watch.observe(readings(13500), now), watch.level)
-            for now in (1.0, 5.99, 6.0, 7.0)]
-    assert seen == [(False, FINE), (False, FINE), (True, LOW), (False, LOW)]
-    seen = [(watch.observe(readings(12500), now), watch.level) for now in (8.0, 12.99, 13.0, 14.0)]
-    assert seen == [(False, LOW), (False, LOW), (True, EMPTY), (False, EMPTY)]
-
-
-def test_a_battery_is_better_again_above_its_limit_and_a_bit():
-    watch = Watch()
-    for now in (0.0, 5.0):
-        watch.observe(readings(12400), now)
-    assert watch.level is EMPTY
-    for millivolts, level in ((12800, EMPTY), (12801, LOW), (13800, LOW), (13801, FINE)):
-        assert not watch.observe(readings(millivolts), 6.0)
-        assert watch.level is level
-    assert not watch.observe(readings(13501), 99.0)
-    assert not watch.observe(readings(13501), 999.0)
-    assert watch.level is FINE
-
-
-def test_a_dip_that_ends_before_begins_anew():
-    watch = Watch()
-    for now, millivolts in ((0.0, 13000), (4.0, 14000), (4.5, 13000), (9.4, 13000)):
-        assert not watch.observe(readings(millivolts), now)
-    assert watch.observe(readings(13000), 9.5)
-
-
-def test_a_battery_that_is_charged_is_fine():
-    watch = Watch()
-    for now in (0.0, 5.0):
-        watch.observe(readings(12000), now)
-    for sources in (1, 2):
-        watch.observe(readings(12000, sources, current=250), 6.0)
-        assert watch.level is FINE
-    assert not watch.observe(readings(12000), 6.5)
-
-
-@pytest.mark.parametrize('sources', [0, 1, 2])
-def test_a_charger_that_gives_no_current_makes_no_battery_fine(sources):
-    watch = Watch()
-    for now in (0.0, 5.0):
-        watch.observe(readings(12000, sources), now)
-    assert watch.level is EMPTY
-
-
-def test_a_voltage_that_is_not_known_is_no_low_one():
-    watch = Watch()
-    for now in (0.0, 5.0):
-        watch.observe(readings(12400), now)
-    unknown = readings(12400).corrected(['voltage'])
-    assert not watch.observe(unknown, 6.0) and watch.level is FINE
-    assert not watch.observe(readings(12400), 7.0), 'it begins anew'
-    assert not watch.observe(readings(15000), 8.0) and watch.level is FINE
+def test_a_level_is_reached_after_five_seconds_and_left_above_its_limit_and_a_bit():
+    loop = Loop(Settings(battery_low=13.5, battery_empty=12.5, charge_known=False))
+    for millivolts, seconds, level in (
+            (13500, LEVEL_DELAY - 1.0, FINE), (14000, 1.5, FINE), (13500, LEVEL_DELAY - 1.0, FINE),
+            (13500, 2.0, LOW), (12500, LEVEL_DELAY - 1.0, LOW), (12500, 2.0, EMPTY),
+            (12800, 1.5, EMPTY), (12801, 1.5, LOW), (13800, 1.5, LOW), (13801, 1.5, FINE)):
+        loop.body.force(voltage=millivolts)
+        loop.run(seconds)
+        assert loop.driver.health(loop.now).battery is level, (millivolts, seconds)
+    assert said(loop, Severity.WARNING, 'battery') == 2
+    loop.forged = {'voltage': 65535}
+    loop.run(2 * LEVEL_DELAY)
+    assert loop.driver.health(loop.now).battery is FINE, 'it is not known'
 
 
 # What a charger does, by all that is known.

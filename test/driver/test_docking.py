@@ -10,7 +10,6 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings
 from create_oi_ros.driver.battery import CHARGE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
-from create_oi_ros.driver.outbox import END_DEMO, HALT
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import Guesses
@@ -39,11 +38,6 @@ def docked(guesses: Guesses | None = None, mode: oi.Mode = oi.Mode.PASSIVE, **se
     assert loop.driver.modes.set(mode, loop.now) and loop.body.sense().home_base
     loop.run(0.3)
     return loop
-
-
-def undock() -> Undock:
-    """Return the goal."""
-    return Undock(0.0)
 
 
 def said(loop: Loop) -> str:
@@ -98,20 +92,6 @@ def test_a_dock_that_is_seen_but_not_reached_is_a_timeout():
     assert 'the Home Base was seen, but not reached in 5 s' in ending.text
 
 
-def test_a_search_is_canceled_and_the_robot_obeys_again():
-    loop = met()
-    running = start(loop, Dock(0.0))
-    loop.run(3.0)
-    assert loop.driver.state.activity is Activity.DOCKING
-    loop.commands()
-    loop.driver.goals.cancel(running, loop.now)
-    loop.run(0.3)
-    assert loop.commands()[:2] == [HALT, END_DEMO]
-    assert running.code is Code.CANCELED
-    assert (loop.robot.demo, loop.robot.mode) == (None, oi.Mode.SAFE)
-    assert pursue(loop, distance(-0.1)).code is Code.NONE
-
-
 def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
     loop = met()
     running = start(loop, Dock(0.0))
@@ -140,16 +120,9 @@ def test_what_ends_a_search(happens, code, says):
     assert loop.robot.demo in (None, oi.DemoNumber.TAG)
 
 
-def test_a_lifted_robot_searches_for_nothing():
-    loop = met()
-    loop.body.lift(True)
-    loop.run(0.1)
-    assert pursue(loop, Dock(0.0)).code is Code.WHEEL_DROP
-
-
 def test_a_robot_that_safe_lets_go_leaves_in_safe():
     loop = docked(Guesses(dock_holds_safe=False))
-    ending = pursue(loop, undock())
+    ending = pursue(loop, Undock(0.0))
     assert (ending.code, ending.docked) == (Code.NONE, False)
     assert loop.body.truth().pose.x == pytest.approx(0.4655, abs=0.01)
     assert loop.robot.mode is oi.Mode.SAFE
@@ -160,7 +133,7 @@ def test_a_robot_that_safe_lets_go_leaves_in_safe():
 @pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE])
 def test_a_robot_that_safe_holds_leaves_by_full_says_so_and_returns_to_safe(guesses, mode):
     loop = docked(guesses, mode)
-    running, in_full_off_dock = start(loop, undock()), 0.0
+    running, in_full_off_dock = start(loop, Undock(0.0)), 0.0
     while running.outcome is None:
         loop.turn()
         if loop.robot.mode is oi.Mode.FULL and not loop.body.sense().home_base:
@@ -178,35 +151,22 @@ def test_a_robot_that_safe_holds_leaves_by_full_says_so_and_returns_to_safe(gues
 def test_a_robot_that_hears_nothing_is_not_undocked():
     loop = docked()
     loop.robot.receive = lambda *_: None
-    ending = pursue(loop, undock())
+    ending = pursue(loop, Undock(0.0))
     assert (ending.code, ending.docked) == (Code.MODE, True)
     assert 'does not enter FULL' in ending.text
-
-
-def test_a_robot_in_passive_looks_for_its_dock_at_once():
-    loop = met(mode_on_start=oi.Mode.PASSIVE)
-    start(loop, Dock(0.0))
-    loop.run(0.1)
-    assert loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
-
-
-def test_a_robot_in_full_stays_in_full():
-    loop = docked(mode=oi.Mode.FULL)
-    assert pursue(loop, undock()).code is Code.NONE
-    assert loop.robot.mode is oi.Mode.FULL
 
 
 def test_a_robot_that_is_held_on_its_dock_stalls():
     loop = docked()
     loop.body.hold(right=True, left=True)
-    ending = pursue(loop, undock())
+    ending = pursue(loop, Undock(0.0))
     assert ending.code is Code.STALL
     assert ending.docked
 
 
 def test_a_bump_ends_the_way_from_the_dock():
     loop = docked(Guesses(dock_holds_safe=False))
-    running = start(loop, undock())
+    running = start(loop, Undock(0.0))
     loop.run(1.0)
     loop.body.force(bump_left=1)
     loop.run(0.1)
@@ -217,21 +177,13 @@ def test_a_bump_ends_the_way_from_the_dock():
 def test_a_dock_that_presses_the_bumper_again_does_not_end_it():
     """A robot that has just docked still settles when it is told to leave."""
     loop = docked()
-    running = start(loop, undock())
+    running = start(loop, Undock(0.0))
     loop.run(0.1)
     for pressed in (0, 1):
         loop.body.force(seconds=0.1, bump_left=pressed, bump_right=pressed)
         loop.run(0.1)
     until_ended(loop, running)
     assert running.code is Code.NONE, running.outcome.text
-
-
-def test_contacts_that_are_felt_for_ever_are_said():
-    loop = docked(mode=oi.Mode.FULL)
-    loop.body.force(home_base=1)
-    ending = pursue(loop, undock())
-    assert ending.code is Code.STALL
-    assert 'still feels the contacts' in ending.text
 
 
 def test_a_command_to_a_docked_robot_is_answered_with_undock():
@@ -264,18 +216,6 @@ def test_a_robot_that_does_not_charge_is_reported_once_each_time_that_it_docks(s
     loop.body.place(ON_BASE)
     loop.run(2 * CHARGE_WAIT)
     assert said(loop).count(f'does not charge (state {state.name})') == 2
-
-
-@pytest.mark.parametrize('helps', [False, True])
-def test_a_robot_that_does_not_charge_is_restarted_if_it_may_be(helps):
-    loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE, reset_when_not_charging=True)
-    pursue(loop, Dock(0.0))
-    loop.robot.guesses = Guesses(dock_charges=helps)
-    loop.run(CHARGE_WAIT + 15)
-    assert 'restarting it (opcode 7)' in said(loop)
-    assert loop.robot.mode is oi.Mode.PASSIVE
-    assert ('even after a restart' in said(loop)) is not helps
-    assert (loop.body.sense().current > 0) is helps
 
 
 # The odometry goes on from a place that somebody knows: a user's, or the dock's.

@@ -16,7 +16,6 @@ from create_oi_ros.driver import (
 )
 from create_oi_ros.driver.goal_control import CLIENT_GONE, COMMANDED, MODE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Undock
-from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import (
     angle,
@@ -50,10 +49,6 @@ def test_an_ending_says_how_far_the_robot_has_got(make, says):
     assert fullmatch(f'stopped {says}; canceled', running.outcome.text)
 
 
-def test_a_goal_that_ends_before_its_first_step_has_got_nowhere():
-    assert distance(1.0).way(0.0) == 'at the start'
-
-
 def test_a_goal_that_moves_on_or_never_moved_is_not_said_to_have_stopped():
     loop = met()
     first, second = moving(loop), moving(loop)
@@ -71,15 +66,6 @@ def test_a_goal_that_moves_on_or_never_moved_is_not_said_to_have_stopped():
 
 
 # What the robot is.
-
-
-def test_a_robot_in_passive_says_what_to_do():
-    loop = met()
-    loop.driver.modes.set(oi.Mode.PASSIVE, loop.now)
-    loop.run(0.2)
-    ending = pursue(loop, distance(0.1))
-    assert ending.code is Code.MODE
-    assert ending.text == 'not started; robot is in PASSIVE: call set_mode with SAFE'
 
 
 GOALS = {
@@ -162,15 +148,6 @@ def test_a_script_keeps_goals_away():
     assert 'a script plays' in ending.text
 
 
-def test_without_a_robot_a_goal_ends_at_once():
-    loop = Loop()
-    for _ in range(2):
-        ending = pursue(loop, distance(0.1))
-        assert ending.code is Code.NO_ROBOT
-        assert 'check cable and power' in ending.text
-        loop.driver.disconnected('no port')
-
-
 @pytest.mark.parametrize(('happens', 'says'), [
     (lambda loop: setattr(loop, 'cut', True), 'the robot no longer answers'),
     (lambda loop: loop.driver.disconnected('cable pulled'), 'the port is gone'),
@@ -230,17 +207,6 @@ def test_a_goal_whose_mode_does_not_come_is_given_up():
     assert running.outcome.text.startswith('not started; robot is in PASSIVE')
 
 
-def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives():
-    loop = met()
-    search = start(loop, Dock(0.0))
-    while loop.driver.state.activity is not Activity.DOCKING:
-        loop.turn()
-    loop.run(2.0)
-    assert pursue(loop, distance(0.2)).code is Code.NONE
-    assert search.code is Code.SUPERSEDED
-    assert loop.robot.mode is oi.Mode.SAFE
-
-
 # Who else gives orders.
 
 
@@ -290,24 +256,6 @@ def test_a_goal_ends_when_the_robot_does_not_enter_another_mode_to_drive_in():
     assert ended(loop, running, within=0.2).code is Code.MODE
 
 
-def test_a_goal_of_a_kilometre_has_a_time_and_can_be_canceled():
-    loop = met()
-    running = moving(loop, distance(1000.0))
-    assert 6000 < running.allowance < 8000
-    loop.driver.goals.cancel(running, loop.now)
-    assert ended(loop, running).code is Code.CANCELED
-
-
-@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: angle(300)])
-def test_a_cancel_asks_for_zero_at_once(make):
-    loop = met()
-    running = moving(loop, make())
-    loop.driver.goals.cancel(running, loop.now)
-    loop.driver.poll(loop.now)
-    assert oi.DriveDirect(right=0, left=0).encode() in loop.driver.data_to_send()
-    assert running.code is Code.CANCELED
-
-
 def test_what_comes_after_the_end_changes_nothing():
     loop = met()
     running = moving(loop)
@@ -348,14 +296,3 @@ def test_the_odometry_is_not_reset_while_a_goal_needs_it():
     assert not answer.ok and 'cancel it first' in answer.text
     loop.driver.goals.cancel(running, loop.now)
     assert loop.driver.reset_odometry().outcome.ok
-
-
-def test_an_ending_is_told_to_who_asks_before_and_after():
-    loop = met()
-    running, heard = start(loop, distance(0.05)), []
-    running.then(heard.append)
-    until_ended(loop, running)
-    running.then(heard.append)
-    assert [each.ok for each in heard] == [True] * 2
-    running.end(False, 'too late')
-    assert running.outcome.ok

@@ -9,8 +9,6 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits
 from create_oi_ros.driver.goals import Code
-from create_oi_ros.driver.goals.goal import Stall, StoppingModel, View
-from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import (
@@ -107,27 +105,6 @@ def test_a_wheel_that_drops_ends_a_motion(make):
     assert 'put the robot on the floor' in ending.text
 
 
-def test_a_robot_that_was_lifted_says_that_it_must_stand_on_the_floor():
-    loop = met()
-    running = moving(loop)
-    loop.body.lift(True)
-    ended(loop, running)
-    ending = pursue(loop, distance(0.1))
-    assert ending.code is Code.MODE
-    assert 'left wheel dropped' in ending.text
-    assert ending.text.endswith(
-        'put the robot on the floor, wait a second, then send the goal again')
-
-
-def test_a_robot_in_the_air_begins_nothing():
-    loop = met()
-    loop.driver.modes.set(oi.Mode.FULL, loop.now)
-    loop.run(0.2)
-    loop.body.lift(True)
-    loop.run(0.1)
-    assert pursue(loop, distance(0.1)).code is Code.WHEEL_DROP
-
-
 @pytest.mark.parametrize('speed', [0.11, 0.2, 0.3])
 def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it(speed):
     """Also where readings in a row would tell the rounding, which standing wheels do not."""
@@ -166,39 +143,6 @@ def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(wheel):
     loop.body.force(**{wheel: 1})
     loop.run(0.55)
     assert running.code is Code.STALL
-
-
-RIGHT_LEFT = tuple[int, int]
-"""mm/s of the wheels."""
-
-
-def view(asked: RIGHT_LEFT, counted: RIGHT_LEFT | None = None) -> View:
-    """Return what a goal is told of a frame; `counted`: mm and degrees of a reading."""
-    distance, angle = counted or (0, 0)
-    readings = oi.Readings({
-        'overcurrents': 0, 'requested_right_velocity': asked[0],
-        'requested_left_velocity': asked[1], 'distance': distance, 'angle': angle})
-    return View(0.0, 0.125, Estimate(), readings, counted is not None,
-                MotionLimits(wheel_separation=0.25), StoppingModel(), StoppingModel())
-
-
-@pytest.mark.parametrize(('asked', 'counted', 'second'), [
-    ((200, 200), (0, 0), 2), ((-200, -200), (0, 0), 2),  # after two seconds
-    ((40, 40), (0, 0), 4), ((40, -40), (0, 0), 4), ((0, 40), (0, 0), 4),  # after 15 cm of a wheel
-    ((200, 200), (55, 0), 2), ((200, 200), (58, 0), None), ((200, 200), (-58, 0), None),
-    ((200, -200), (0, 25), 2), ((200, -200), (0, -27), None),
-    ((10, 10), (0, 0), None), ((1, -1), (0, 0), None),  # rounding may hide as much
-    ((0, 0), (0, 0), None)])
-def test_wheels_that_count_less_than_a_third_of_what_they_are_asked_stall(asked, counted, second):
-    stall = Stall()
-    for frame in range(1, 1 + 8 * 40):
-        reading = counted if frame % 8 == 0 else None
-        over = stall.check(view(asked, reading))
-        assert over is None or frame == 8 * second
-        if over is not None:
-            assert over.code is Code.STALL
-            return
-    assert second is None
 
 
 @pytest.mark.parametrize('make', [

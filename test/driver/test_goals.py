@@ -3,7 +3,7 @@
 """Goals: where the robot is when they end, and how it gets there."""
 
 from dataclasses import replace
-from math import degrees, hypot, inf, nan, pi
+from math import degrees, hypot, pi
 import struct
 
 import pytest
@@ -15,10 +15,6 @@ from create_oi_ros.driver.goals import (
     DriveArc,
     RotateAngle,
 )
-from create_oi_ros.driver.goals.goal import Instruction, StoppingModel, View
-from create_oi_ros.driver.goals.legs import Straight
-from create_oi_ros.driver.motion import Velocity
-from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import angle, arc, distance, place, pursue, reach, start
@@ -131,10 +127,6 @@ def test_more_than_four_turns_are_driven_but_asked_about(goal, hint):
     assert texts(loop.notices, Severity.WARNING) == [hint]
 
 
-def test_four_turns_are_no_question():
-    assert not angle(4 * 360).hint
-
-
 @pytest.mark.parametrize(('goal', 'name'), [
     (angle(90, speed=9.0), 'max_rotation_speed'), (arc(90, 0.3, speed=0.5), 'max_translation')])
 def test_a_turning_speed_beyond_the_limits_is_slowed_and_said(goal, name):
@@ -149,129 +141,3 @@ def test_a_goal_that_is_reached_already_ends_at_once():
     assert pursue(loop, angle(0.0)).code is Code.NONE
     assert pursue(loop, place(0.0, 0.0)).code is Code.NONE
     assert loop.body.truth().travelled == pytest.approx(0.0, abs=1e-3)
-
-
-@pytest.mark.parametrize(('make', 'says'), [
-    (lambda: distance(nan), 'distance = nan m is not finite'),
-    (lambda: distance(inf), 'distance = inf m is not finite'),
-    (lambda: distance(5000.0), 'distance = 5000 m; allowed: -1000 to 1000'),
-    (lambda: distance(1.0, speed=0.0), 'max_translation_speed = 0 m/s; allowed: 0.001 or more'),
-    (lambda: distance(1.0, speed=-0.1), 'max_translation_speed = -0.1 m/s; allowed: 0.001'),
-    (lambda: distance(1.0, speed=1e-6), 'max_translation_speed = 1e-06 m/s; allowed: 0.001'),
-    (lambda: arc(90, 0.3, speed=4e-4), 'max_translation_speed = 0.0004 m/s; allowed: 0.001'),
-    (lambda: angle(90, speed=0.0077), 'max_rotation_speed = 0.0077 rad/s; allowed: 0.008'),
-    (lambda: distance(1.0, speed=nan), 'max_translation_speed = nan m/s is not finite'),
-    (lambda: distance(1.0, allowance=-1.0), 'time_allowance = -1 s; allowed: 0 or more'),
-    (lambda: angle(nan), 'angle = nan rad is not finite'),
-    (lambda: angle(90, speed=0.0), 'max_rotation_speed = 0 rad/s; allowed: 0.008 or more'),
-    (lambda: angle(1e6), 'angle = 17453.3 rad; allowed: -6283.19 to 6283.19'),
-    (lambda: arc(90, 0.0), 'radius = 0 m; allowed: above 0'),
-    (lambda: arc(90, -1.0), 'radius = -1 m; allowed: above 0'),
-    (lambda: arc(90, 1.0, direction=0), 'translate_direction = 0; allowed: 1 forward'),
-    (lambda: arc(90, 1e6), 'length of the arc = 1.5708e+06 m; allowed: -1000 to 1000'),
-    (lambda: place(nan, 0), 'goal_pose.position.x = nan m is not finite'),
-    (lambda: place(0, 1e7), 'goal_pose.position.y = 1e+07 m; allowed'),
-    (lambda: place(0, 0, nan), 'heading of goal_pose = nan rad is not finite'),
-])
-def test_a_malformed_goal_is_refused_in_words(make, says):
-    with pytest.raises(ValueError) as refused:
-        make()
-    assert says in str(refused.value)
-
-
-# The speed along one way, frame by frame: faster, slower, stop, settle, correct.
-
-
-WAY, TOP, DT = 1.0, 0.3, 0.1
-
-
-def approach(learned: StoppingModel | None = None, way: float = WAY) -> Straight:
-    """Return a straight line that has not begun."""
-    return Straight(at(WAY)._replace(straight=learned or StoppingModel()), way, 0.0, TOP)
-
-
-def at(left: float, speed: float = 0.0, dt: float = DT, measured: bool = False) -> View:
-    """Return what a frame says."""
-    return View(0.0, dt, Estimate(x=WAY - left, linear=speed), oi.Readings(), measured,
-                MotionLimits(linear_acceleration=0.0), StoppingModel(), StoppingModel())
-
-
-def step(begun: Straight, frame: View) -> float | None:
-    """Return the speed that a frame leads to: 0 too where it asks for a reading."""
-    told = begun.step(frame)
-    if isinstance(told, Velocity):
-        assert told.angular == 0.0
-        return told.linear
-    return 0.0 if told is Instruction.MEASURE else None
-
-
-def stopped(left: float, pace: float = 0.0, learned: StoppingModel | None = None) -> Straight:
-    """Return an approach that has just told the wheels to stand, with so much left."""
-    begun = approach(learned)
-    step(begun, at(1.0))
-    assert step(begun, at(left, pace)) == 0.0
-    return begun
-
-
-def frames_until_moving(begun: Straight, frame: View) -> int:
-    """Return after how many frames an approach that stands has arrived or goes on."""
-    count = 0
-    while step(begun, frame) == 0.0 and not begun.correcting:
-        count += 1
-    return count
-
-
-@pytest.mark.parametrize(('way', 'coast'), [(9.0, 0.8), (-1.0, 0.03)])
-def test_a_coast_that_cannot_be_is_not_believed(way, coast):
-    learned = StoppingModel()
-    for _ in range(50):
-        learned.stopped(0.3, way)
-    assert learned.coast == pytest.approx(coast, abs=0.001)
-
-
-@pytest.mark.parametrize('sign', [1, -1])
-def test_a_short_rest_of_the_way_is_a_push_of_its_length(sign):
-    begun = stopped(0.0)
-    frames_until_moving(begun, at(sign * 0.015))
-    told = [step(begun, at(sign * 0.015, dt=0.01)) for _ in range(60)]
-    assert told == 50 * [sign * 0.03] + 10 * [0.0]
-
-
-def test_it_corrects_three_times_at_most():
-    begun, left, corrections, before = stopped(0.0), 0.01, 0, 0.0
-    while (speed := step(begun, at(left))) is not None:
-        corrections += bool(speed and not before)
-        if before and not speed:
-            left = -left  # each leads too far
-        before = speed
-    assert corrections == 3
-    assert begun.correcting
-
-
-@pytest.mark.parametrize(('way', 'sign'), [(0.01, 1), (0.01, -1), (0.1, 1)])
-def test_a_correction_that_moves_nothing_is_none_and_the_next_is_faster(way, sign):
-    begun, told, before = stopped(0.0), [], 0.0
-    left = at(sign * way)
-    while (speed := step(begun, left)) is not None:
-        if speed and not before:
-            told.append(speed)
-        before = speed
-        # The odometry believes that creeping moves the robot until a reading says otherwise.
-        left = at(sign * (0.0 if speed and way > 0.02 else way), sign * 0.03 if speed else 0.0)
-    assert told == pytest.approx(
-        [sign * speed for speed in (0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.08, 0.08)])
-
-
-def test_how_long_a_way_takes_at_most():
-    ramps = 0.15 * (1 / 0.5 + 1 / 0.25)
-    settling = 4 * (1.4 + 0.02 / 0.03)
-    for way in (1.5, -1.5):
-        assert approach(way=way).seconds() == pytest.approx(1.5 / TOP + ramps + settling)
-
-
-def test_a_robot_that_stands_is_asked_how_far_it_went_until_a_reading_comes():
-    begun = approach()
-    assert step(begun, at(1.0)) > 0
-    assert step(begun, at(0.0)) == 0.0
-    told = [begun.step(at(0.0, dt=0.01, measured=frame == 20)) for frame in range(30)]
-    assert told == 15 * [Velocity()] + 5 * [Instruction.MEASURE] + 10 * [Velocity()]

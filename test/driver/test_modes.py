@@ -8,12 +8,10 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
-from create_oi_ros.driver.events import ModeStatus
 from create_oi_ros.driver.mode import (
     CLEAR_TIME,
     MAX_TRIES,
     MODE_TIMEOUT,
-    RETRY_INTERVAL,
     SETTLING_TIME,
 )
 from support.loop import Loop, texts
@@ -97,10 +95,6 @@ def test_full_for_safe_is_no_safety_stop_and_is_always_undone(loop, wanted, actu
     loop.run(2.0)
     sent = loop.commands().count(command[wanted])
     assert sent > 2 * MAX_TRIES if undone else not sent
-
-
-def test_the_times_to_wait_are_those_of_the_pages():
-    assert (RETRY_INTERVAL, MAX_TRIES, SETTLING_TIME, CLEAR_TIME) == (0.2, 3, 2.0, 1.0)
 
 
 @pytest.mark.parametrize(('recovers', 'gone', 'comes_back'), [
@@ -212,45 +206,3 @@ def test_a_refused_velocity_says_how_to_drive_again(loop, hazard, why):
     loop.drive(0.1, 0.0, 0.5)
     last = texts(loop.notices, Severity.WARNING)[-1]
     assert last == f'not driving: robot is in PASSIVE {why}'
-
-
-def test_on_the_dock_the_way_to_drive_is_a_goal(loop):
-    loop.body.force(home_base=1)
-    loop.driver.modes.set(oi.Mode.PASSIVE, loop.now)
-    loop.run(0.3)
-    loop.drive(0.1, 0.0, 0.3)
-    advice = 'send the goal undock, it is on its dock (dock and undock are actions)'
-    last = texts(loop.notices, Severity.WARNING)[-1]
-    assert last == f'not driving: robot is in PASSIVE; {advice}'
-    loop.robot.receive = lambda *_: None
-    pending = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
-    loop.run(MODE_TIMEOUT + 0.01)
-    assert pending.outcome.text == (
-        f'robot stays in PASSIVE (charger powered) instead of entering SAFE: {advice}')
-
-
-@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
-def test_stop_ends_a_demo_only_where_one_can_run(loop, mode):
-    loop.driver.modes.set(mode, loop.now)
-    loop.run(0.3)
-    loop.commands()
-    loop.driver.stop(loop.now)
-    loop.run(0.1)
-    assert {type(each) for each in loop.commands()} == {oi.DriveDirect}
-
-
-def test_each_change_of_mode_is_an_event_once(loop):
-    changes, next_event = [], loop.driver.next_event
-
-    def heard():
-        event = next_event()
-        if isinstance(event, ModeStatus):
-            changes.append((event.actual, event.wanted))
-        return event
-
-    loop.driver.next_event = heard
-    for mode in (oi.Mode.FULL, oi.Mode.FULL, oi.Mode.PASSIVE):
-        loop.driver.modes.set(mode, loop.now)
-        loop.run(0.3)
-    safe, full, passive = oi.Mode.SAFE, oi.Mode.FULL, oi.Mode.PASSIVE
-    assert changes == [(safe, full), (full, full), (full, passive), (passive, passive)]

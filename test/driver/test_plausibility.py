@@ -12,8 +12,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.driver.frame_clock import FrameClock, MIN_STEP
 from create_oi_ros.driver.stream import ALL
-from create_oi_ros.driver.tracking import JumpCheck, ODD_FRAMES, POSSIBLE
-from create_oi_ros.odometry import Known
+from create_oi_ros.driver.tracking import ODD_FRAMES, POSSIBLE
 from create_oi_ros.oi import SLOT
 from support.loop import Loop, said, texts
 
@@ -21,26 +20,6 @@ from support.loop import Loop, said, texts
 def moved(distance: int, angle: int) -> oi.Readings:
     """Return a reading of mm and degrees."""
     return oi.Readings({'distance': distance, 'angle': angle})
-
-
-@pytest.mark.parametrize(('distance', 'angle', 'possible'), [
-    (550, 245, True), (-550, -245, True), (551, 0, False), (-551, 0, False), (0, 246, False),
-    (0, -246, False), (551, 246, False)])
-def test_a_jump_is_refused_from_the_first_unit_on_that_nothing_could_have_made(
-        distance: int, angle: int, possible: bool) -> None:
-    check = JumpCheck()
-    assert check.possible(moved(32767, 32767), 8.0), 'the first spans an unknown time'
-    assert check.possible(moved(distance, angle), 8.5) is possible
-    assert not check.possible(moved(100, 0), 8.5), 'no time has passed since'
-    assert not check.possible(moved(0, 100), 8.5)
-
-
-def test_after_a_restart_the_first_reading_spans_an_unknown_time() -> None:
-    check = JumpCheck()
-    check.possible(moved(0, 0), 8.0)
-    assert not check.possible(moved(550, 0), 8.25)
-    check.restart()
-    assert check.possible(moved(550, 0), 8.5)
 
 
 def impossible(name: str) -> int:
@@ -137,6 +116,20 @@ def test_a_song_plays_though_its_number_is_not_known() -> None:
     assert request.outcome is not None and request.outcome.ok
 
 
+def test_an_impossible_jump_is_dropped_and_counted() -> None:
+    loop = Loop()
+    loop.run(1)
+    before, frame = loop.estimate, loop.driver.plan.full
+    for count, (name, value) in enumerate([
+            ('distance', 4000), ('distance', -600), ('angle', 300), ('angle', -300)], 1):
+        forged = {'oi_mode': oi.Mode.SAFE, name: value}
+        loop.driver.receive(
+            frame.pack_frame([forged.get(each, 0) for each in frame.names]), loop.now)
+        loop.run(0.5)
+        assert loop.driver.counts.impossible_jumps == count
+    assert loop.estimate[:3] == pytest.approx(before[:3], abs=1e-6)
+
+
 # Stamps follow the robot's slots, whatever the line adds.
 
 
@@ -161,21 +154,6 @@ def test_a_line_that_becomes_slower_loses_nothing():
         arrival = max(arrival, slot * SLOT + random.uniform(0, 0.03))
         total += clock.stamp(arrival, 0.0)[1]
     assert total == pytest.approx(2999 * SLOT, abs=SLOT / 2)  # of a period that is learned
-
-
-def test_a_robot_whose_clock_is_slow_is_followed():
-    clock = FrameClock()
-    for slot in range(1, 20000):
-        stamp, _ = clock.stamp(slot * SLOT * 1.0005, 0.0)
-    assert stamp == pytest.approx(slot * SLOT * 1.0005, abs=0.001)
-
-
-def test_after_a_restart_stamps_go_on_from_the_new_arrivals():
-    clock = FrameClock()
-    clock.stamp(1.0, 0.0)
-    clock.restart()
-    stamp, _ = clock.stamp(100.0, 0.0)
-    assert stamp == pytest.approx(100.0)
 
 
 @given(st.lists(st.floats(0, 0.2), min_size=1, max_size=200))
@@ -213,29 +191,6 @@ def test_late_frames_are_told_from_lost_ones_by_the_next_frame():
     assert late.stamp(106 * SLOT, 0.0) == pytest.approx((106 * SLOT, SLOT)) and not late.gap
     assert lost.stamp(106.6 * SLOT, 0.0) == pytest.approx((106 * SLOT, 6 * SLOT)) and lost.gap
     assert lost.stamp(107 * SLOT, 0.0) == pytest.approx((107 * SLOT, SLOT)) and not lost.gap
-
-
-def test_the_length_of_a_slot_is_believed_as_far_as_it_was_seen():
-    """The earliest of 32 frames count. After 40 slots they say as much as the manual does."""
-    clock = FrameClock(Known(0.015, 0.0003))
-    for slot in range(1, 64):
-        clock.stamp(slot * 0.0152, 0.0)
-        assert clock.known_period == (0.015, 0.0003)
-    for slots in (32, 64, 96):
-        clock.stamp((slots + 32) * 0.0152, 0.0)
-        part = slots ** 2 / (slots ** 2 + 40 ** 2)
-        assert clock.known_period == pytest.approx(
-            (0.015 + part * 0.0002, 0.0003 * (1 - part) ** 0.5))
-        for slot in range(slots + 33, slots + 64):
-            clock.stamp(slot * 0.0152, 0.0)
-
-
-@pytest.mark.parametrize(('slot', 'believed'), [(0.0140, 0.0147), (0.0170, 0.0160)])
-def test_a_length_that_no_robot_has_is_not_believed(slot, believed):
-    clock = FrameClock()
-    for number in range(1, 400):
-        clock.stamp(number * slot, 0.0)
-    assert clock.period == believed
 
 
 def test_a_frame_that_was_damaged_is_counted():

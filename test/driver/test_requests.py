@@ -9,9 +9,8 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Driver, Settings
-from create_oi_ros.driver.outbox import DEAD_MAN_STOP, farewell, HALT
+from create_oi_ros.driver.outbox import farewell, LOST
 from create_oi_ros.oi.tools.text import parse_script
-from create_oi_ros.sim.firmware.guesses import Guesses
 from support.asking import ask, in_mode, power_cycle
 from support.loop import Loop
 
@@ -21,20 +20,6 @@ WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
 
 
 # Actuators.
-
-
-@pytest.mark.parametrize('duty', [-0.1, 1.01, nan])
-def test_a_duty_cycle_out_of_range_is_refused(loop, duty):
-    answer = ask(loop, loop.driver.outputs.set_drivers, (0.0, 0.0, duty))
-    assert not answer.ok
-    assert f'driver_2 = {duty:g}; allowed: 0.0 (off) to 1.0 (on)' in answer.text
-    assert loop.commands() == []
-
-
-def test_low_side_drivers_are_refused_in_passive(loop):
-    in_mode(loop, oi.Mode.PASSIVE)
-    answer = ask(loop, loop.driver.outputs.set_drivers, (1.0, 0.0, 0.0))
-    assert not answer.ok and 'call set_mode with SAFE first' in answer.text
 
 
 def test_rounding_is_told(loop):
@@ -150,6 +135,15 @@ def test_before_the_mode_is_known_every_request_is_refused():
     assert 'no answer yet' in driver.outputs.set_leds(LEDS).outcome.text
 
 
+def test_what_was_queued_for_a_robot_that_is_lost_is_never_sent(loop):
+    beam = loop.driver.outputs.send_ir(7)
+    loop.driver.disconnected('gone')
+    assert beam.outcome == (False, LOST)
+    loop.driver.connected(loop.now)
+    loop.run(1.0)
+    assert loop.driver.state.answered and oi.SendIr(byte=7) not in loop.commands()
+
+
 # Restoring.
 
 
@@ -209,33 +203,6 @@ def test_all_is_restored_but_low_side_drivers(loop, happens):
     assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
 
 
-@pytest.mark.parametrize('wanted', [oi.Mode.PASSIVE, oi.Mode.SAFE])
-@pytest.mark.parametrize('seconds', [0.7, 3.0])
-def test_a_robot_that_is_found_stands_also_if_passive_leaves_its_drivers_on(wanted, seconds):
-    loop = Loop(Settings(mode_on_start=wanted))
-    loop.robot.guesses = Guesses(passive_ends_drivers=False)
-    loop.run(1.0)
-    loop.cut = True
-    loop.run(seconds)
-    loop.robot.receive(b''.join(each.encode() for each in (
-        oi.Full(), oi.PwmLowSideDrivers(driver_0=9, driver_1=128, driver_2=1))), loop.now)
-    loop.cut = False
-    loop.run(1.0 if seconds < 2 else 2.0)
-    assert loop.robot.mode is wanted
-    if wanted is oi.Mode.SAFE or seconds < 2:  # else Start comes first, after a long absence
-        assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
-
-
-@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
-def test_a_dead_man_switches_the_low_side_drivers_off(loop, mode):
-    loop.robot.guesses = Guesses(passive_ends_drivers=False)
-    in_mode(loop, mode)
-    set_everything(loop)
-    loop.robot.receive(DEAD_MAN_STOP, loop.now)
-    assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
-    assert loop.robot.mode is oi.Mode.PASSIVE
-
-
 @pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.FULL])
 def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
     loop = Loop(Settings(mode_on_start=oi.Mode.FULL, mode_on_exit=mode))
@@ -248,16 +215,6 @@ def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
     assert loop.robot.mode is mode
     loop.run(1.0)
     assert loop.body.truth().speed == 0
-
-
-@pytest.mark.parametrize('speed', [0.0, 0.2])
-def test_a_stop_is_to_be_written_before_the_next_poll(loop, speed):
-    """A caller that fails right after it has still stopped the robot."""
-    loop.drive(speed, 0.0, 0.5)
-    loop.driver.poll(loop.now)
-    loop.driver.data_to_send()
-    loop.driver.stop(loop.now)
-    assert loop.driver.data_to_send().startswith(HALT.encode())
 
 
 # Demos.

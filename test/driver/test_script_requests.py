@@ -77,13 +77,6 @@ def test_while_a_script_plays_nothing_is_promised(loop):
     assert 'script' in [notice.text for notice in loop.notices][-1]
 
 
-def test_leds_are_restored_after_a_script_that_enters_safe(loop):
-    ask(loop, loop.driver.outputs.set_leds, LEDS)
-    ask(loop, loop.driver.scripts.define, parse_script('Safe; Wait Time time=2'))
-    ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
-    assert loop.robot.lights == (LEDS.bits, 10, 200)
-
-
 def test_a_script_that_cannot_end_is_refused_unless_forced(loop):
     assert 'may never end' in ask(loop, loop.driver.scripts.define, ENDLESS).text
     loop.robot.guesses = Guesses(loop_listens=False)
@@ -163,28 +156,11 @@ def test_while_a_script_plays_it_is_said_for_how_long_and_what_stops_it(loop):
     assert loop.driver.health(loop.now).busy == stopped.text
 
 
-def test_a_script_whose_end_is_open_says_so(loop):
-    script = parse_script('Wait Event event=bump; Wait Distance distance=100')
-    message = ask(loop, loop.driver.scripts.define, script).text
-    assert 'Wait Event event=bump, Wait Distance distance=100' in message
-
-
 def test_a_script_that_is_not_known_needs_force(loop):
     loop.robot.script = WAITING.script
     refused = ask(loop, loop.driver.scripts.play, loop.now, force=False)
     assert not refused.ok and 'call define_script, or set force' in refused.text
     assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
-
-
-def test_an_empty_script_is_refused(loop):
-    ask(loop, loop.driver.scripts.define, oi.Script(script=b''))
-    assert 'no script' in ask(loop, loop.driver.scripts.play, loop.now, force=True).text
-
-
-def test_bytes_that_are_no_whole_commands_are_no_script(loop):
-    for code in (b'\x91\x00', b'\x05'):
-        assert not ask(loop, loop.driver.scripts.define, oi.Script(script=code)).ok
-    assert loop.robot.script == b''
 
 
 def test_a_robot_that_falls_silent_while_it_waits_is_found_again():

@@ -45,8 +45,6 @@ RECOVERY = 2.0
 FASTEST, FASTEST_TURN = 1.05 * TOP_SPEED, 2.1 * TOP_SPEED / WHEEL_SEPARATION
 SLACK, SLACK_TURN = 0.004, 0.03
 """m and rad of a correction in one frame."""
-QUEUE = 300
-"""Bytes of commands and events that may wait at most, in pieces."""
 
 
 class Pursuit(NamedTuple):
@@ -121,7 +119,6 @@ class WatchedLoop(Loop):
         self._check_frames()
         assert self.driver.state.pursues or self.driver.modes.own is self.driver.status.wanted, (
             'the mode of a goal that has ended is still wanted')
-        assert len(self.driver.core.outbox._queue) < QUEUE
 
     def _check_goals(self) -> None:
         """One goal runs at most, within its time; the activity says so; each ends once."""

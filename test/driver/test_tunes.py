@@ -109,13 +109,6 @@ def test_a_tune_too_short_to_be_seen_is_played_all_the_same(loop):
     assert tune.outcome.ok and tune.iterations_played == 2
 
 
-def test_a_robot_that_does_not_play_is_said_not_to(loop):
-    loop.forged = {'song_playing': 0}
-    tune = play(loop)
-    loop.run(1.0)
-    assert 'the robot does not report it: try again' in tune.outcome.text
-
-
 def test_a_tune_ends_with_the_mode_that_it_needs(loop):
     tune = play(loop)
     loop.run(0.5)
@@ -124,11 +117,3 @@ def test_a_tune_ends_with_the_mode_that_it_needs(loop):
     assert tune.outcome.text == (
         'the tune ended before its end; robot is in PASSIVE: call set_mode with SAFE first')
     assert 'call set_mode with SAFE first' in play(loop).outcome.text
-
-
-def test_a_tune_ends_with_the_line(loop):
-    tune = play(loop)
-    loop.run(0.5)
-    loop.cut = True
-    loop.run(3.0)
-    assert 'the robot was lost' in tune.outcome.text

@@ -4,7 +4,6 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from math import inf, nan
 
 import pytest
 
@@ -53,34 +52,6 @@ def test_a_speed_that_is_a_whole_number_by_mistake_is_hinted_at_once(loop, veloc
     loop.run(0.05)
     hint, = texts(loop.notices, Severity.WARNING)
     assert 'did the sender write 1 for 1.0?' in hint
-
-
-@pytest.mark.parametrize('velocity', [(nan, 0.0), (0.1, nan), (inf, 0.0), (0.0, -inf)])
-def test_a_velocity_that_is_not_finite_is_refused_and_stops(loop, velocity):
-    loop.drive(0.2, 0.0, 0.2)
-    loop.commands()
-    loop.driver.drive(*velocity, loop.now)
-    loop.run(0.05)
-    assert loop.commands() == [oi.DriveDirect(right=0, left=0)]
-    assert 'not finite' in texts(loop.notices, Severity.WARNING)[-1]
-
-
-def test_velocities_that_are_not_finite_are_reported_once_in_a_row(loop):
-    for _ in range(50):
-        loop.driver.drive(nan, 0.0, loop.now)
-        loop.turn()
-    assert len(texts(loop.notices, Severity.WARNING)) == 1
-    loop.drive(0.1, 0.0, 0.1)
-    loop.driver.drive(nan, 0.0, loop.now)
-    loop.turn()
-    assert len(texts(loop.notices, Severity.WARNING)) == 2
-
-
-def test_limits_may_change_while_the_robot_drives(loop):
-    loop.drive(0.2, 0.0, 0.5)
-    loop.driver.set_limits(MotionLimits(max_wheel_speed=0.1))
-    loop.drive(0.2, 0.0, 0.5)
-    assert drives(loop)[-1] == oi.DriveDirect(right=100, left=100)
 
 
 @pytest.mark.parametrize('acceleration', [0.01, 0.5])
@@ -206,13 +177,6 @@ def test_with_bump_stop_no_command_drives_further_into_an_obstacle():
     assert loop.robot.actuators.wheels == (200, 200)
 
 
-def test_without_bump_stop_the_bumper_holds_nothing_back():
-    loop = met()
-    loop.body.force(bump_left=1)
-    loop.drive(0.2, 0.0, 0.5)
-    assert loop.robot.actuators.wheels == (200, 200)
-
-
 # The sums, figure by figure.
 
 
@@ -241,13 +205,6 @@ def test_wheels_are_accelerated_by_the_tighter_limit_and_the_curve_is_kept(
     assert found == pytest.approx(after)
 
 
-def test_wheels_are_slowed_from_the_speeds_that_they_have() -> None:
-    found = next_speeds(WheelSpeeds(300, 100), WheelSpeeds(100, 100), 1 / 32, RAMPED)
-    assert found == pytest.approx((268.75, 100)), 'by turning: 800 mm/s, of 4 rad/s²'
-    found = next_speeds(WheelSpeeds(300, 300), STOPPED, 1 / 32, RAMPED)
-    assert found == pytest.approx((268.75, 268.75))
-
-
 @pytest.mark.parametrize('linear', [*(step / 1000 for step in range(-600, 601, 120)), 0.1, 0.037])
 def test_rounding_to_whole_millimetres_keeps_the_turn_and_the_limit(linear) -> None:
     limits = MotionLimits()
@@ -262,13 +219,6 @@ def test_rounding_to_whole_millimetres_keeps_the_turn_and_the_limit(linear) -> N
         else:
             assert right == -left, 'it creeps'
             assert abs(right - speeds.right) <= 0.5
-
-
-def test_the_first_command_after_a_pause_gets_the_acceleration_of_two_slots(loop):
-    loop.now += 0.2  # meanwhile nobody asks the driver to go on
-    loop.driver.drive(0.5, 0.0, loop.now)
-    loop.turn()
-    assert drives(loop) == [oi.DriveDirect(right=30, left=30)]
 
 
 def test_a_robot_is_told_at_most_once_a_slot_but_a_stop_does_not_wait(at_once):

@@ -16,10 +16,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from create_oi_ros.link import dead_man, dead_man_process
+from create_oi_ros.link import dead_man_process
 from create_oi_ros.link.dead_man import DeadMan, END_SIGNALS
 from create_oi_ros.link.dead_man_process import GOODBYE, watch
-from support.ros import TIMEOUT
+from support.processes import dead_men
 
 WORDS = b'stop now'
 
@@ -43,26 +43,7 @@ def test_released_it_writes_nothing_and_ends(guarded):
     guard, reading = guarded
     guard.release()
     assert os.read(reading, 100) == b'', 'the line is closed, by it as well'
-    with pytest.raises(ProcessLookupError):
-        os.kill(guard._process.pid, 0)
-
-
-def test_releasing_one_that_was_killed_is_allowed(guarded):
-    guard, _ = guarded
-    assert guard.ended is False
-    os.kill(guard._process.pid, signal.SIGKILL)
-    guard._process.wait()
-    assert guard.ended is True
-    guard.release()
-
-
-def test_one_that_does_not_end_is_killed(monkeypatch, guarded):
-    guard, _ = guarded
-    monkeypatch.setattr(dead_man, 'END_TIMEOUT', 0.0)
-    os.kill(guard._process.pid, signal.SIGSTOP)
-    os.waitpid(guard._process.pid, os.WUNTRACED)
-    guard.release()
-    assert guard._process.wait(TIMEOUT) == -signal.SIGKILL
+    assert not dead_men()
 
 
 def test_one_that_cannot_be_started_leaves_no_file_open(monkeypatch):
@@ -151,18 +132,6 @@ def test_a_parent_that_is_suspended_for_two_looks_is_spoken_for_at_once_and_each
     os.close(speaking)
 
 
-def test_only_a_stopped_process_is_seen_as_stopped():
-    assert not dead_man_process.is_suspended(os.getpid())
-    assert not dead_man_process.is_suspended(2 ** 22 + 1), 'no process has such a number'
-    ended = subprocess.Popen(['cat'], stdin=subprocess.PIPE)
-    ended.send_signal(signal.SIGSTOP)
-    os.waitpid(ended.pid, os.WUNTRACED)
-    assert dead_man_process.is_suspended(ended.pid)
-    ended.kill()
-    ended.communicate()
-    assert not dead_man_process.is_suspended(ended.pid)
-
-
 def test_a_line_that_is_gone_ends_the_last_words():
     reading, writing = os.pipe()
     os.close(reading)
@@ -208,13 +177,13 @@ def test_a_line_with_little_room_gets_each_byte_once(blocking):
 
 def test_what_ends_its_parent_politely_does_not_reach_it(guarded):
     guard, reading = guarded
-    pid = guard._process.pid
+    pid, = dead_men()
     assert os.getsid(pid) == pid, 'the keys of a terminal do not reach it'
     for number in END_SIGNALS:
         os.kill(pid, number)
-    os.close(guard._pipe)
+    guard.trigger()
     assert read_words(reading) == WORDS
-    assert guard._process.wait() == 0
+    assert guard.ended
 
 
 @pytest.mark.parametrize(('word', 'heard'), [(GOODBYE, b''), (b'', WORDS), (b'x', WORDS)])

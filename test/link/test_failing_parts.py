@@ -9,8 +9,20 @@ import threading
 import pytest
 
 from create_oi_ros.driver import Driver, MotionLimits, Notice, Settings
+from create_oi_ros.driver.battery import Battery
+from create_oi_ros.driver.connection import Connection
+from create_oi_ros.driver.core import Core
+from create_oi_ros.driver.goal_control import GoalControl
 from create_oi_ros.driver.goals import DriveDistance
+from create_oi_ros.driver.listening import Listening
+from create_oi_ros.driver.mode import Modes
+from create_oi_ros.driver.motion import Motion
 from create_oi_ros.driver.outbox import farewell, HALT
+from create_oi_ros.driver.outputs import Outputs
+from create_oi_ros.driver.script import ScriptControl
+from create_oi_ros.driver.songs import Songs
+from create_oi_ros.driver.stream import StreamPlan
+from create_oi_ros.driver.tracking import Tracking
 from create_oi_ros.link.session import Session
 from create_oi_ros.oi import Mode
 from create_oi_ros.oi.tools.text import parse_script
@@ -19,24 +31,9 @@ from support.ros import TIMEOUT
 
 SETTINGS = Settings(limits=MotionLimits(timeout=1000.0))
 FAREWELL = b''.join(command.encode() for command in farewell(Mode.SAFE, Mode.PASSIVE))
-CARRIER = 'outbox'
-"""The part that carries the bytes of a stop. Where it fails, the dead-man acts."""
-
-
-def parts(driver: Driver) -> dict[str, object]:
-    """Return the parts of a driver, and of its tracking, that have methods of their own."""
-    held = {**vars(driver), **vars(driver.core), **vars(driver._tracking)}
-    return {name: part for name, part in held.items()
-            if type(part).__module__.startswith('create_oi_ros') and methods(type(part))}
-
-
-def methods(kind: type) -> list[str]:
-    """Return the names of the methods that others call."""
-    return [name for name, _ in inspect.getmembers(kind, inspect.isfunction)
-            if not name.startswith('_')]
-
-
-PARTS = sorted(parts(Driver()).keys() - {CARRIER, 'settings', 'counts', 'readings'})
+PARTS = (Battery, Connection, Core, GoalControl, Listening, Modes, Motion, Outputs, ScriptControl,
+         Songs, StreamPlan, Tracking)
+"""Parts of the driver that can fail. Where the outbox does, the dead-man acts."""
 
 
 class Broken(RuntimeError):
@@ -47,27 +44,28 @@ def fail(*_args, **_options):
     raise Broken
 
 
-def break_part(monkeypatch, driver: Driver, name: str) -> None:
-    """Let every method of a part raise from now on."""
-    kind = type(parts(driver)[name])
-    for method in methods(kind):
-        monkeypatch.setattr(kind, method, fail)
+def break_part(monkeypatch, part: type) -> None:
+    """Let every method of a part that others call raise from now on."""
+    for name, _ in inspect.getmembers(part, inspect.isfunction):
+        if not name.startswith('_'):
+            monkeypatch.setattr(part, name, fail)
 
 
-@pytest.mark.parametrize('end', [Driver.stop, Driver.shut_down])
-@pytest.mark.parametrize('goal', [False, True])
-@pytest.mark.parametrize('name', PARTS)
-def test_a_stop_is_queued_before_anything_that_can_fail(name, goal, end, monkeypatch):
+each_part = pytest.mark.parametrize('part', PARTS, ids=lambda part: part.__name__)
+
+
+@each_part
+@pytest.mark.parametrize(('goal', 'end'), [(False, Driver.stop), (True, Driver.shut_down)])
+def test_a_stop_is_queued_before_anything_that_can_fail(part, goal, end, monkeypatch):
     loop = Loop(SETTINGS)
     loop.run(0.5)
     if goal:
-        loop.driver.goals.start(
-            DriveDistance(2.0, 0.2, 0.0), loop.now)
+        loop.driver.goals.start(DriveDistance(2.0, 0.2, 0.0), loop.now)
     else:
         loop.driver.drive(0.2, 0.0, loop.now)
     loop.run(0.5)
     assert loop.driver.state.moving
-    break_part(monkeypatch, loop.driver, name)
+    break_part(monkeypatch, part)
     with suppress(Broken):
         end(loop.driver, loop.now)
     assert loop.driver.data_to_send().startswith(HALT.encode())
@@ -83,6 +81,8 @@ class LoopPort:
     def __init__(self, loop: Loop) -> None:
         self.loop = loop
         self.heard = bytearray()
+        self.asleep = 0.0
+        """Seconds that the computer sleeps before the next read."""
         self.until, self.reached = 0.0, threading.Event()
 
     def run(self, seconds: float) -> None:
@@ -93,7 +93,8 @@ class LoopPort:
 
     def read(self) -> bytes:
         """Let a step of time pass; return what the robot says."""
-        self.loop.now += STEP
+        self.loop.now += STEP + self.asleep
+        self.asleep = 0.0
         if self.loop.now > self.until:
             self.reached.set()
         self.loop.robot.poll(self.loop.now)
@@ -155,10 +156,10 @@ def stop(ours: Session) -> None:
         driver.stop(now)
 
 
-@pytest.mark.parametrize('name', PARTS)
-def test_a_robot_stands_after_any_part_has_raised_and_the_error_comes_once(name, monkeypatch):
+@each_part
+def test_a_robot_stands_after_any_part_has_raised_and_the_error_comes_once(part, monkeypatch):
     ride = Ride(monkeypatch)
-    break_part(monkeypatch, ride.session.driver, name)
+    break_part(monkeypatch, part)
     ride.port.run(6.0)
     ride.use(Session.close)
     assert ride.wheels == (0, 0) and ride.port.heard.endswith(FAREWELL)
@@ -217,3 +218,18 @@ def test_a_robot_whose_driver_has_failed_is_driven_no_more(monkeypatch):
     assert ride.wheels == (0, 0) and ride.failures == 1
     ride.session.close()
     assert not ride.errors
+
+
+@pytest.mark.parametrize('asleep', [1.3, 20.0])
+def test_after_a_sleep_of_the_computer_the_robot_stands_and_is_called_anew(monkeypatch, asleep):
+    ride, told = Ride(monkeypatch), []
+    ride.on_event = told.append
+    ride.port.asleep = asleep
+    for seconds in (0.1, 2.0):  # until it has slept, and after it
+        ride.port.run(seconds)
+    assert ride.wheels == (0, 0)
+    ride.session.close()
+    texts = [event.text for event in told if isinstance(event, Notice)]
+    assert texts[0].startswith(f'the driver stood still for {asleep:.1f} s (Ctrl-Z, a debugger, ')
+    assert texts[0].endswith('calling the robot again')
+    assert ride.session.driver.counts.impossible_jumps == 0

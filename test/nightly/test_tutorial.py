@@ -24,8 +24,7 @@ from typing import Any
 import pytest
 
 from create_oi_ros.apps.report.recording import read
-from create_oi_ros.ros.programs import PROGRAMS
-from support.pages import Block, blocks, check_parameters, commands, ROOT
+from support.pages import Block, blocks, ROOT
 from support.ros import Program, Scene
 
 PAGE = ROOT / 'docs' / 'tutorial.md'
@@ -166,32 +165,6 @@ def test_make_demo_drives_its_tour_and_makes_a_report(tmp_path):
     seen = read(folder / 'bag', lambda part: None).events.spans
     assert [len(seen[kind].all) for kind in ('bumper', 'cliff', 'song')] == [2, 1, 2]
     assert 'Bump' in (folder / 'report.html').read_text()
-
-
-def test_the_page_says_how_each_further_terminal_joins():
-    shells = [block for block in BLOCKS if block.language == 'bash']
-    assert not JOIN.search(shells[0].text) and JOIN.search(shells[1].text)
-    assert all(JOIN.search(block.text) for block in shells[1:] if 'terminal' in block.mark[:8])
-
-
-def test_a_block_that_is_not_run_has_a_reason():
-    for block in BLOCKS:
-        if block.language in ('bash', 'python', 'text'):
-            continue
-        reason = block.mark.removeprefix('not run: ')
-        assert reason in REASONS, f'no reason for {block.text!r}'
-        assert {words[0] for words in commands(block.text)} <= REASONS[reason]
-
-
-def test_names_in_commands_for_a_robot_exist():
-    for block in BLOCKS:
-        if block.mark == 'not run: robot':
-            for program, *arguments in commands(block.text):
-                if program == 'python':
-                    assert (ROOT / arguments[0]).exists()
-                else:
-                    assert program in PROGRAMS
-                    check_parameters(arguments)
 
 
 # The commands of our programs in other pages, in their order, in a folder.

@@ -143,26 +143,6 @@ def test_two_commands_of_one_opcode_and_fields_behind_a_counted_one_are_refused(
     assert 1 not in oi.Command.by_opcode
 
 
-@pytest.mark.parametrize('fields, named', [
-    ({}, "'right' and 'left'"), ({'right': 1}, "'left'"),
-    ({'right': 1, 'left': 2, 'up': 3}, "'up'"),
-])
-def test_a_field_that_is_missing_or_unknown_is_refused(
-        fields: dict[str, int], named: str) -> None:
-    with pytest.raises(TypeError, match=f'argument.* {named}$'):
-        oi.DriveDirect(**fields)
-
-
-def test_a_command_is_a_value_that_cannot_be_changed() -> None:
-    command = oi.DriveDirect(right=1, left=2)
-    with pytest.raises(AttributeError, match="cannot assign to field 'right'"):
-        command.right = 3  # type: ignore[misc]
-    assert command == oi.DriveDirect(left=2, right=1)
-    assert hash(command) == hash(oi.DriveDirect(left=2, right=1))
-    assert command != oi.DriveDirect(right=2, left=1)
-    assert repr(command) == 'DriveDirect(right=1, left=2)'
-
-
 @pytest.mark.parametrize('kind, arguments, message', [
     (oi.DriveDirect, (200, 100),
      'DriveDirect takes its fields by name: DriveDirect(right=..., left=...), not (200, 100)'),

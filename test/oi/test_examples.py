@@ -6,7 +6,7 @@ import csv
 from importlib import import_module
 import io
 from itertools import count
-from math import degrees, hypot, remainder, tau
+from math import degrees, hypot
 import re
 import subprocess
 import sys
@@ -21,14 +21,9 @@ from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import shipped
 from support.source import ROOT
 
-PAGE = (ROOT / 'docs' / 'open_interface.md').read_text('utf-8')
-TURNS = PAGE.partition('<!-- quarter turns -->\n')[2].partition('<!-- end -->')[0]
 QUARTER = 90
-SLOW, FAST = 100, 200
 STEP = 0.005
 """Seconds that pass at once: a third of a slot."""
-LONG = 20.0
-"""Seconds in which a slow turn is more than two."""
 
 
 class MemoryPort:
@@ -175,35 +170,3 @@ def test_the_script_is_stored_and_played_to_its_end(bench, capsys):
         'until this has happened, even a stop is ignored: Wait Distance distance=300',
         'until this has happened, even a stop is ignored: Wait Angle angle=90']
     assert (bench.create.mode, bench.wheels) == (oi.Mode.PASSIVE, (0, 0))
-
-
-def turned(bench: Bench, speed: int, pause: float, until: float = LONG) -> tuple[int, float]:
-    """Turn until the readings add up to a quarter; return their sum and the true angle."""
-    port, packets = bench.port, oi.PacketList(['angle'])
-    ask = bytes(oi.QueryList(packets=packets.ids))
-    port.write(bytes(oi.Start()) + bytes(oi.Safe()) + ask)
-    port.read(packets.reply_size)
-    port.write(bytes(oi.DriveDirect(right=speed, left=-speed)))
-    read, true, yaw = 0, 0.0, bench.body.truth().pose.yaw
-    while read < QUARTER and port.monotonic() < until:
-        port.sleep(pause)
-        port.write(ask)
-        read += packets.unpack_reply(port.read(packets.reply_size)).angle
-        before, yaw = yaw, bench.body.truth().pose.yaw
-        true += remainder(yaw - before, tau)
-    port.write(bytes(oi.DriveDirect(right=0, left=0)))
-    port.sleep(1.0)
-    return read, degrees(true + remainder(bench.body.truth().pose.yaw - yaw, tau))
-
-
-def test_what_the_page_says_of_quarter_turns_is_true(capsys):
-    read, true = turned(Bench(), SLOW, oi.SLOT)
-    assert read == 0 and true > 720
-    assert '| 100 mm/s | in every frame | without end: the sum stays 0 |' in TURNS
-    for speed, pause, when in ((FAST, oi.SLOT, 'in every frame'), (SLOW, 0.25, 'four times')):
-        _, true = turned(Bench(), speed, pause)
-        assert re.search(rf'\| {speed} mm/s \| {when}.*\| {true:.0f} degrees \|', TURNS), true
-    bench = Bench()
-    bench.example('oi_square').main(bench.port)
-    by_time, = set(re.findall(r'(\d+) degrees\n', capsys.readouterr().out))
-    assert f'(`examples/oi_square.py`) | {by_time} degrees |' in TURNS

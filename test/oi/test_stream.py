@@ -92,20 +92,6 @@ def test_finish_returns_frames_after_an_incomplete_one() -> None:
     assert reader.finish() == []
 
 
-def test_finish_finds_a_frame_that_begins_at_the_second_byte_of_an_incomplete_one() -> None:
-    """19 is a header, and the length of a longer list, whose numbers are this frame's bytes."""
-    longer = oi.PacketList([8, 9, 30, 13, 10, 11, 12, 14, 18])
-    shorter = oi.PacketList([29, 30, 13])
-    assert (longer.length, shorter.length) == (19, 8)
-    frame, = (frame for low in range(256)
-              if (frame := shorter.pack_frame([0x900 + low, 0, 0]))[-1] == 10)
-    reader = oi.StreamReader([longer, shorter])
-    reader.feed(b'\x13' + frame)
-    assert reader.next_event() is None
-    assert reader.finish() == [
-        oi.Garbage(b'\x13'), oi.Frame(shorter, frame, oi.Checksum.HARDWARE)]
-
-
 def test_a_list_too_long_for_a_frame_is_ignored() -> None:
     packets = oi.PacketList([6] * 5)
     assert packets.length == (5 * 53) & 0xff
@@ -113,15 +99,6 @@ def test_a_list_too_long_for_a_frame_is_ignored() -> None:
         packets.pack_frame([0] * 180)
     looks_like_it = bytes([oi.HEADER, packets.length]) + packets.pack_reply([0] * 180)
     assert kinds(events([looks_like_it], packets)) == 'gg'
-
-
-def test_the_longest_frame_is_expected_and_found() -> None:
-    packets = next(each for each in (
-        oi.PacketList([6] * groups + [7] * bits) for groups in range(6) for bits in range(130))
-        if each.frame_size == oi.FRAME_LIMIT)
-    body = bytes([oi.HEADER, packets.length]) + b''.join(
-        bytes([number]) + bytes(oi.size_of(number)) for number in packets.ids)
-    assert kinds(events([body + bytes([-sum(body) & 0xff])], packets)) == 'F'
 
 
 def test_the_checksum_convention_is_kept_until_the_other_repeats() -> None:
@@ -145,14 +122,6 @@ def test_after_a_damaged_frame_three_in_a_row_still_change_the_convention() -> N
         oi.Checksum.HARDWARE, oi.Checksum.MANUAL]
 
 
-def test_damaged_frames_in_between_are_not_a_row() -> None:
-    damaged = GOOD[:-1] + bytes([GOOD[-1] + 1 & 0xff])
-    reader = oi.StreamReader([CLIFF])
-    found = events([GOOD + (damaged * 50 + BY_THE_MANUAL) * 2 * FRAMES_TO_SWITCH], reader=reader)
-    assert [event for event in found if isinstance(event, oi.Frame)] == found[:1]
-    assert reader.checksum is oi.Checksum.HARDWARE
-
-
 def test_the_boot_banner_is_reported_and_readable_in_two_pieces() -> None:
     for chunks in ([BANNER + GOOD], bytewise(BANNER + GOOD)):
         garbage, frame = events(chunks, CLIFF)
@@ -169,16 +138,6 @@ def test_noise_is_not_text() -> None:
     assert oi.Garbage(b'').text == ''
     banner = oi.Garbage(b'\xffRDK by iRobot!\xff\0battery 257\r\n')
     assert banner.text == 'RDK by iRobot!\nbattery 257'
-
-
-def test_memory_is_bounded() -> None:
-    reader = oi.StreamReader([oi.PacketList([6, 6, 6, 6])])
-    for noise in (b'\0', b'\x13', b'\x13\xd4', b'\x13\xd4\x06'):
-        for _ in range(300):
-            reader.feed(noise * 10)
-            assert all(len(event.data) <= GARBAGE_LIMIT for event in list(reader))
-            assert len(reader._buffer) < GARBAGE_LIMIT + 258
-    assert reader.flush() is not None and reader.flush() is None
 
 
 def cuts(data: bytes, places: Iterable[int]) -> list[bytes]:

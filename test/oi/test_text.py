@@ -83,6 +83,8 @@ def test_a_script_longer_than_the_robot_can_store_is_refused() -> None:
         build_script([*full, oi.Safe()])
     assert str(refused.value) == (
         'Script: command 51 (Safe) brings it to 101 bytes; allowed: 100 bytes')
+    with pytest.raises(TextError, match='brings it to 102 bytes; allowed: 100 bytes'):
+        parse_script('Wait Time time=1\n' * 51)
     with pytest.raises(ValueError, match='Drive: velocity = 900'):
         build_script([oi.Drive(velocity=900, radius=0)])
 
@@ -136,15 +138,11 @@ def test_parsing_a_formatted_command_returns_it(command: oi.Command) -> None:
     ('pause/resume stream state=pause', '150 0'),
     ('PauseResumeStream state=1', '150 1'),
     ('Wait Event event=-bump', '158 251'),
-    ('Wait Event event=not-bump', '158 251'),
-    ('Wait Event event=NotBump', '158 251'),
     ('Wait Event event=!bump', '158 251'),
     ('Wait Event event=-5', '158 251'),
     ('Demo demo=abort', '136 255'),
     ('Baud code=57600', '129 10'),
-    ('Baud code=10', '129 10'),
     ('LEDs bits=play|advance color=0 intensity=128', '139 10 0 128'),
-    ('LEDs bits=8 color=0 intensity=128', '139 8 0 128'),
     ('LEDs bits=advance+8 color=0 intensity=128', '139 8 0 128'),
     ('Digital Outputs bits=output_0+output-2', '147 5'),
     ('Stream packets=29,virtual_wall', '148 2 29 13'),
@@ -152,10 +150,8 @@ def test_parsing_a_formatted_command_returns_it(command: oi.Command) -> None:
     ('Stream packets=', '148 0'),
     ('Sensors packet=6', '142 6'),
     ('Song number=2 notes=C4:64, rest:16, 127:255', '140 2 3 60 64 0 16 127 255'),
-    ('Song number=15 notes=G1:32', '140 15 1 31 32'),
     ('Song notes=30:0x20 number=15', '140 15 1 30 32'),
     ('Script script=128,7', '152 2 128 7'),
-    ('Script script={}', '152 0'),
     ('Script script={ # nothing\n}', '152 0'),
     ('Script script={Script script={Full; Safe;}\nStart}', '152 5 152 2 132 131 128'),
 ])
@@ -179,15 +175,11 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
 @pytest.mark.parametrize('text, line, column, reason', [
     ('Full\n  Drve velocity=3', 2, 3,
      "'Drve' is not a command; did you mean Drive?"),
-    ('Full now', 1, 1, "'Full now' is not a command; did you mean Full?"),
     ('waitangel angle=90', 1, 1,
      "'waitangel' is not a command; did you mean Wait Angle, Wait Distance?"),
     ('Drive 200 straight', 1, 1, "'Drive 200 straight' is not a command; "
      'did you mean Drive velocity=... radius=...?'),
     ('garbage', 1, 1, "'garbage' is not a command; allowed: Start, Baud, "),
-    ('x', 1, 1, "'x' is not a command; allowed: Start, Baud, "),
-    ('=', 1, 1, "'=' is not a command; allowed: Start, Baud, "),
-    ('Full;}', 1, 6, "'}' is not a command; allowed: Start, "),
     ('Full}', 1, 5, "'}' is not a command; allowed: Start, "),
     ('Script script={Full} Full', 1, 22, 'Script: expected name=value or line end'),
     ('Song notes= number=1', 1, 1, 'Song: notes has 0 notes; allowed: 1 to 16 notes'),
@@ -197,14 +189,11 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
      'Drive: radius = left; allowed: -2000 to 2000 mm, -32768 STRAIGHT, 32767 STRAIGHT_7FFF; '
      'or straight, straight_7fff, in_place_clockwise, in_place_counter_clockwise'),
     ('Drive velocity=3', 1, 1, 'Drive lacks radius'),
-    ('Drive', 1, 1, 'Drive lacks velocity, radius'),
     ('Drive velocity=3 4 radius=3', 1, 18, 'Drive: expected name=value or line end'),
     ('Drive velocity=3,4 radius=3', 1, 16,
      'Drive: velocity needs one value; allowed: -500 to 500 mm/s'),
     ('Wait Time time=', 1, 16, 'Wait Time: time needs one value; allowed: 0 to 255 (1/10 s)'),
-    ('Wait Time time=9999999999', 1, 16, 'Wait Time: time = 9999999999; allowed: '),
     ('Drive speed=3', 1, 7, 'Drive has no field speed; allowed: velocity, radius'),
-    ('Full speed=3', 1, 6, 'Full has no field speed; allowed: none'),
     ('Drive velocity=1\tVelocity=2', 1, 18, 'Drive: velocity is given twice'),
     ('Baud code=1234', 1, 11, 'Baud: code = 1234; allowed: 0 to 11; or 300, 600, '),
     ('Demo demo=-cover', 1, 11, 'Demo: demo = -cover; allowed: -1 to 9; or abort, cover, '),
@@ -216,12 +205,10 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
     ('Stream packets=7,99', 1, 18,
      'Stream: packets[1] = 99; allowed: 0 to 42 or a name such as bumps_and_wheel_drops'),
     ('Stream packets=unused', 1, 16, 'Stream: packets[0] = unused; allowed: 0 to 42 or a name'),
-    ('Song number=0 notes=', 1, 1, 'Song: notes has 0 notes; allowed: 1 to 16 notes'),
     ('Song number=0 notes=C4:1,H4:1', 1, 26,
      "Song: notes: 'H4' is not a note; allowed: names such as C4, C#4 or Db4"),
     ('Song number=0 notes=C4', 1, 21, 'Song: notes = C4; allowed: note:duration'),
     ('Song number=0 notes=C4:999', 1, 24, 'Song: notes, duration = 999; allowed: 0 to 255 ('),
-    ('Song number=0 notes=C4:1,C#4:999', 1, 30, 'Song: notes, duration = 999; allowed: 0'),
     ('Song number=0 notes=300:9', 1, 21, 'Song: notes, note = 300; allowed: 0 to 255'),
     ('Song number=0 notes=F#1:9', 1, 21, 'Song: notes: F#1 makes no sound; allowed: 31 (G1) to '),
     ('Start\nScript script={\nFull\nDrive velocity=x}', 4, 16, 'Drive: velocity = x; allowed: '),
@@ -265,7 +252,7 @@ def test_any_text_is_parsed_or_raises_a_text_error(text: str) -> None:
     ('::4a4', [(69, 61)]),  # 60 / 63 s
     # What people have that differs.
     ('o=5,b=60:8c', [(72, 32)]), ('Star Wars: Main:d=8,b=60,o=5:c', [(72, 32)]),
-    ('x:o=5,d=8,b=60,s=N,l=15:c', [(72, 32)]), ('x:d8,o5,b60:c', [(72, 32)]),
+    ('x:o=5,d=8,b=60,s=N,l=15:c', [(72, 32)]),
     ('x:b=60,o=5:8c.6,8c6.,8.c6', 3 * [(84, 48)]),
     ('x:b=60,o=5:b_,bb,h_4,d_,E_5,gb,a#', [
         (82, 64), (82, 64), (70, 64), (73, 64), (75, 64), (78, 64), (82, 64)]),
@@ -309,7 +296,6 @@ def test_a_tune_keeps_its_speed(notes):
     ('x:d=65:c', "'c' is a note of 1/65; allowed: 1 to 64"),
     ('x:t=4:c', "'t=4' is no default of a ring tone; allowed: d=4, o=6, b=63"),
     ('x:b=60:c,x=3', "'x=3' is no default"), ('x:b=60:c..', "'c..' is no note"),
-    ('x:b=0:c', "'b=0' is no default"), ('x:b=fast:c', "'b=fast' is no default"),
     ('x:b=60:c,i', "'i' is no note of a ring tone; allowed: 8c, 4f#5, 16a. or 2p"),
     ('x:b=60:128c', 'a note of 1/128'), ('x:b=60:c0', 'c0 makes no sound'),
     ('x:b=3:1c', "'1c' lasts 80 s"), ('x:b=900:32c', "'32c' lasts 0.00833333 s; allowed: 1/64"),

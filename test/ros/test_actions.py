@@ -3,7 +3,6 @@
 """Every action as a user sees it: through ROS, with the node as a process."""
 
 from math import inf, nan, pi
-import re
 import signal
 from typing import Any
 
@@ -26,13 +25,10 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from create_oi_ros.driver.goals import Code
-from create_oi_ros.ros.actions import ACTIONS, ALL_ACTIONS, malformed
+from create_oi_ros.ros.actions import malformed
 from create_oi_ros.sim.world import parse
 from support.ros import Listener, Ready
-from support.source import ROOT
 
-FILES = sorted((ROOT / 'msg_defs' / 'action').glob('*.action'))
-OF_GOALS = [path for path in FILES if path.stem in {each.type.__name__ for each in ACTIONS}]
 TUNE = (AudioNoteSequence, 'audio_note_sequence')
 BASE = parse('start 0.4 0 180\nhome_base 0 0 0', 'base')
 
@@ -197,12 +193,26 @@ def test_the_robot_drives_to_a_place_that_is_published(start):
     (DriveDistance, 'drive_distance', {'distance': nan}, 'distance = nan m is not finite'),
     (DriveDistance, 'drive_distance', {'distance': 1.0, 'time_allowance': Duration(sec=-1)},
      'time_allowance = -1 s'),
+    (DriveDistance, 'drive_distance', {'distance': 5000.0},
+     'distance = 5000 m; allowed: -1000 to 1000'),
+    (DriveDistance, 'drive_distance', {'distance': 1.0, 'max_translation_speed': 4e-4},
+     'max_translation_speed = 0.0004 m/s; allowed: 0.001 or more'),
     (RotateAngle, 'rotate_angle', {'angle': inf}, 'angle = inf rad is not finite'),
+    (RotateAngle, 'rotate_angle', {'angle': 20000.0}, 'angle = 20000 rad; allowed: -6283.19 to'),
+    (RotateAngle, 'rotate_angle', {'angle': 1.0, 'max_rotation_speed': 0.0077},
+     'max_rotation_speed = 0.0077 rad/s; allowed: 0.008 or more'),
+    (DriveArc, 'drive_arc', {'angle': 1.0, 'radius': 1.0, 'translate_direction': 0},
+     'translate_direction = 0; allowed: 1 forward'),
+    (DriveArc, 'drive_arc', {'angle': 2.0, 'radius': 1000.0, 'translate_direction': 1},
+     'length of the arc = 2000 m; allowed: -1000 to 1000'),
     (DriveArc, 'drive_arc', {'angle': 1.0, 'radius': 0.0, 'translate_direction': 1},
      'radius = 0 m; allowed: above 0'),
     (NavigateToPosition, 'navigate_to_position',
      {'goal_pose': PoseStamped(header=Header(frame_id='map'))},
      "goal_pose is in frame 'map'; allowed: 'odom'"),
+    (NavigateToPosition, 'navigate_to_position', {'goal_pose': PoseStamped(
+        header=Header(frame_id='odom'), pose=Pose(position=Point(y=1e7)))},
+     'goal_pose.position.y = 1e+07 m; allowed'),
     (*TUNE, {'notes': 'C4:99'}, "'C4:99' lasts 99 s; allowed: 1/64 to 60 s"),
     (*TUNE, {'notes': ''}, 'a tune needs a note, such as C4:1/4'),
     (*TUNE, {'notes': 'C4:1', 'iterations': 0}, 'iterations = 0; allowed: above 0, or -1'),
@@ -301,30 +311,6 @@ def test_a_client_hears_that_the_robot_or_the_driver_is_gone(start):
     result = sent.result()
     assert result.error_code == Code.LINK
     assert 'the driver ends' in result.message
-
-
-# The interfaces, and the documents that name them.
-
-
-def test_every_code_is_explained_in_the_documents():
-    rows = re.findall(r'^\| ([A-Z_]+) \| \S', (ROOT / 'docs' / 'goals.md').read_text(), re.M)
-    assert rows == [code.name for code in Code if code is not Code.NONE]
-
-
-@pytest.mark.parametrize('path', OF_GOALS, ids=lambda path: path.stem)
-def test_every_code_is_declared_with_a_comment(path):
-    declared = dict(re.findall(r'^uint8 ([A-Z_]+)=(\d+) +# \S', path.read_text(), re.M))
-    codes = {code.name: str(code.value) for code in Code}
-    assert codes.items() <= declared.items()
-
-
-def test_every_action_has_a_file_and_a_server():
-    assert {path.stem for path in FILES} == {action.type.__name__ for action in ALL_ACTIONS}
-    for action in ACTIONS:
-        assert re.sub('([A-Z])', r'_\1', action.type.__name__).lower() == f'_{action.name}'
-        assert 'time_allowance' in action.type.Goal.get_fields_and_field_types()
-        assert {'success', 'error_code', 'message', 'pose'} <= (
-            action.type.Result.get_fields_and_field_types().keys())
 
 
 # Actions that move no wheel.

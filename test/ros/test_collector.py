@@ -6,7 +6,7 @@ from math import cos, inf, nan, sin
 
 from create_oi_msgs.msg import Bumper, Buttons, Charging, Cliff, Mode, Overcurrent, Song, WheelDrop
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 import pytest
@@ -131,6 +131,7 @@ def test_of_a_robot_that_runs_for_days_the_last_events_are_kept():
     assert len(made.jumps) == 3
 
 
+@settings(max_examples=30)
 @given(st.data())
 def test_any_message_of_a_driver_is_taken(data):
     made = Collector()

@@ -4,7 +4,6 @@
 
 from copy import copy
 from dataclasses import replace
-from itertools import cycle
 from math import isnan
 from typing import Any
 
@@ -16,9 +15,8 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
 from create_oi_ros import oi
-from create_oi_ros.driver import LinkCounts, Settings
+from create_oi_ros.driver import LinkCounts
 from create_oi_ros.odometry import GyroState
-from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.ros import diagnostics, messages
 from create_oi_ros.ros.topics import SENSOR_TOPICS
 from support.loop import Loop
@@ -68,13 +66,6 @@ def test_a_mode_that_is_being_entered_is_no_warning(loop):
     loop.driver.modes.set(oi.Mode.FULL, loop.now)
     status = all_of(loop)['mode']
     assert (status.level, status.message) == (OK, 'SAFE, entering FULL')
-
-
-def test_each_robot_has_a_hardware_id_of_its_own():
-    ids = {diagnostics.hardware_id(port, namespace)
-           for port in ('/dev/a', '/dev/b') for namespace in ('/', '/robot1')}
-    assert len(ids) == 4
-    assert diagnostics.hardware_id('/dev/a', '/') == 'iRobot Create at /dev/a'
 
 
 def test_line_errors_are_reported_for_one_interval(loop):
@@ -193,38 +184,6 @@ def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
     assert charging.state == charging.UNKNOWN
     assert messages.charging_name(charging.state) == 'not known'
     assert all_of(loop)['battery'].level == WARN
-
-
-def test_on_the_dock_in_full_mode_a_message_says_that_it_does_not_charge():
-    loop = Loop(Settings(mode_on_start=oi.Mode.FULL))
-    loop.run(0.3)
-    loop.body.force(home_base=1)
-    loop.run(0.1)
-    status = all_of(loop)['battery']
-    assert status.level == WARN
-    assert 'PASSIVE' in status.message
-
-
-def test_a_script_that_plays_is_a_warning(loop):
-    script = parse_script('Wait Time time=50')
-    loop.driver.scripts.define(script)
-    loop.run(0.1)
-    loop.driver.scripts.play(loop.now, force=False)
-    loop.run(0.1)
-    assert levels(loop)['driver'] == WARN
-
-
-def test_too_few_frames_are_a_warning_of_the_link(loop):
-    take, second = loop.robot.data_to_send, cycle((False, True))
-
-    def fewer() -> bytes:
-        frame = take()
-        return b'' if frame and next(second) else frame
-    loop.robot.data_to_send = fewer
-    loop.run(8)
-    link = all_of(loop, copy(loop.driver.counts))['serial link']
-    assert link.level == WARN
-    assert 'frames a second arrive whole' in link.message
 
 
 GOOD = GyroState(True, None, 3, False)

@@ -7,10 +7,8 @@ from re import fullmatch
 import signal
 
 from create_oi_msgs.action import DriveDistance, NavigateToPosition
-from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import Point, PoseStamped
 import pytest
-from std_srvs.srv import Trigger
 
 from create_oi_ros.ros.messages import filled
 
@@ -38,24 +36,6 @@ with goal_client.GoalClient() as robot:
         print(f'{type(why).__name__}: {why}', flush=True)
 """
 """As a user writes it; no driver is looked for as long as on a busy computer."""
-
-UNANSWERED = """
-import gc
-from rclpy.task import Future
-from create_oi_ros.ros import driver_client, goal_client
-
-driver_client.REPLY_TIMEOUT = 0.2
-with goal_client.GoalClient() as robot:
-    kept = []
-    for _ in range(5):
-        try:
-            robot.call('stop')
-        except goal_client.GoalFailed as why:
-            print(why, flush=True)
-        gc.collect()
-        kept.append(sum(isinstance(each, Future) for each in gc.get_objects()))
-    print(kept[0] == kept[-1], flush=True)
-"""
 
 
 def test_whole_numbers_are_taken_for_floats_also_inside_a_message():
@@ -117,22 +97,3 @@ def test_without_a_driver_the_program_ends_with_a_sentence(stage):
                            f'{stage.domain}; on this computer ')
     assert ended == ('GoalFailed: drive_distance: no driver offers /drive_distance in ROS domain '
                      f'{stage.domain}\n')
-
-
-def test_a_request_that_is_not_answered_is_given_up(stage):
-    stage.ros.node.create_service(Trigger, 'stop', lambda _, response: response)  # never spun
-    script = stage.folder / 'unanswered.py'
-    script.write_text(UNANSWERED)
-    program = stage.script(script)
-    assert program.ended() == 0
-    given_up = 'stop: the driver does not answer within 0.2 s\n'
-    assert program.printed[-6:] == [*5 * [given_up], 'True\n']
-
-
-def test_an_example_that_fails_says_why_in_one_line(ready):
-    ready.robot.body.lift(True)
-    ready.until_mode(Mode.PASSIVE)
-    example = ready.stage.example('square.py')
-    assert example.ended() == 1
-    line, = example.printed
-    assert line.startswith('drive_distance: not started; ')

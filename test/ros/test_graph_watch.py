@@ -9,7 +9,7 @@ from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 import pytest
-from rclpy.qos import qos_profile_sensor_data, QoSProfile
+from rclpy.qos import QoSProfile
 from rclpy.timer import Timer
 
 from create_oi_ros.ros.topics import LATCHED
@@ -60,20 +60,6 @@ def test_stamped_commands_drive_when_alone_and_beside_others_are_named(ready, ot
     ready.ros.until(lambda: not drives(ready), 'the command timeout')
 
 
-def test_a_best_effort_publisher_drives(ready, other):
-    every(ready, other('stick'), Twist, qos_profile_sensor_data)
-    ready.ros.until(lambda: drives(ready))
-
-
-def test_the_publishers_of_commands_are_named_in_the_diagnostics(ready, other):
-    for name in ('first', 'second'):
-        other(name).node.create_publisher(Twist, 'cmd_vel', 1)
-    beats = ready.ros.listen(DiagnosticArray, '/diagnostics')
-    ready.ros.until(lambda: any(
-        value.key == 'cmd_vel publishers' and value.value == '/first, /second'
-        for beat in beats for status in beat.status for value in status.values))
-
-
 def test_commands_in_another_namespace_are_a_hint(stage):
     node = stage.node(stage.robot().link, '__ns:=/robot1')
     stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
@@ -93,16 +79,6 @@ def test_two_robots_with_the_same_frames_are_reported(stage):
     assert 'robot answers' in third.output
     assert '/three/create publishes' not in ''.join(node.output for node in nodes)
     assert 'publishes a transform' not in third.output
-
-
-def test_the_mode_of_another_driver_is_heard_while_it_runs(ready, other):
-    count = ready.ros.node.count_subscribers
-    for _ in range(2):
-        driver = other('create')
-        driver.node.create_publisher(Mode, '/second/mode', LATCHED)
-        ready.ros.until(lambda: count('/second/mode') == 1, 'the driver listens to it')
-        driver.node.destroy_node()
-        ready.ros.until(lambda: count('/second/mode') == 0, 'and does not any more')
 
 
 def test_when_a_second_driver_has_ended_subscribers_have_the_state_of_the_first(stage):

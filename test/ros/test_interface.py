@@ -12,7 +12,6 @@ from create_oi_msgs.msg import (
     Buttons,
     CargoBay,
     Charging,
-    Cliff,
     IrOmni,
     Mode,
     Overcurrent,
@@ -25,7 +24,6 @@ from create_oi_msgs.srv import (
     PlayScript,
     PlaySong,
     SendIr,
-    SetDigitalOutput,
     SetDigitalOutputs,
     SetLeds,
     SetLowSideDrivers,
@@ -45,7 +43,6 @@ from create_oi_ros import oi
 from create_oi_ros.driver.contacts import OUTSIDE
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import BODY_RADIUS
-from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import Ready
@@ -82,14 +79,6 @@ def test_what_the_robot_senses_is_published(ready):
     late = ready.ros.listen(Buttons, 'buttons', LATCHED)
     until(lambda: late and late[-1].advance, 'the state for one who comes late')
     assert len(buttons) == 2, 'only changes are published'
-
-
-def test_outputs_of_the_cargo_bay_have_names(stage):
-    own = Ready(stage, output_names='[relay]')
-    assert own.ask(SetDigitalOutput, 'set_digital_output', output='relay', high=True)
-    own.ros.until(lambda: own.robot.create.outputs == oi.OutputBits.OUTPUT_0)
-    assert own.refused(SetDigitalOutput, 'set_digital_output', output='lamp') == (
-        "no output is called 'lamp'; output_names: relay, output_1, output_2")
 
 
 def test_an_empty_list_as_a_parameter_ends_the_node_with_the_reason(stage):
@@ -247,18 +236,6 @@ def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready
         'battery', 'safety', 'mode', 'serial link', 'driver', 'odometry', 'parameters')}
 
 
-def test_odom_rate_thins_what_is_sent_and_may_change_at_run_time(ready):
-    assert ready.set('odom_rate', 20.0)
-    heard = [ready.ros.listen(Odometry, 'odom'), ready.ros.listen(JointState, 'joint_states')]
-    ready.ros.until(lambda: all(len(each) > 20 for each in heard))
-    for received in heard:
-        assert typical_rate(received) == pytest.approx(20, rel=0.1)
-    assert ready.set('odom_rate', 0.0)
-    heard[0].clear()
-    ready.ros.until(lambda: len(heard[0]) > 40)
-    assert typical_rate(heard[0]) == pytest.approx(66.7, rel=0.1)
-
-
 def test_commands_of_a_wrong_clock_are_named_and_old_ones_are_dropped(stage):
     ready = Ready(stage, cmd_vel_type='stamped')
     velocity = ready.ros.node.create_publisher(TwistStamped, 'cmd_vel', 1)
@@ -279,15 +256,6 @@ def test_commands_of_a_wrong_clock_are_named_and_old_ones_are_dropped(stage):
     ready.ros.until(lambda: re.search(
         r'cmd_vel is stamped 3(600|599)\.\d s ahead of now: it is followed', ready.node.output))
     assert ready.robot.body.truth().speed > 0.1
-
-
-def test_no_service_has_the_name_of_an_action():
-    assert not {each.name for each in SERVICES} & {each.name for each in ALL_ACTIONS}
-
-
-def test_what_is_not_known_has_a_constant():
-    assert Charging.UNKNOWN == Mode.UNKNOWN == Song.UNKNOWN == 255
-    assert Cliff.SIGNAL_UNKNOWN == Wall.SIGNAL_UNKNOWN == 65535
 
 
 @pytest.mark.parametrize(('ours', 'core'), [

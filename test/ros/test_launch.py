@@ -278,13 +278,3 @@ def test_the_other_documented_launches_start_and_end(ros2, ports, monkeypatch, w
     launch = ros2.launch(*at(ports[0], words))
     launch.until(ANSWERS)
     ends_quietly(launch)
-
-
-def test_a_robot_whose_port_has_the_path_already_is_refused_and_the_other_one_goes_on(ros2):
-    domain = ros2.stage.domain
-    robot = ros2.stage.robot(str(port_of('', domain)))
-    launch = ros2.launch(*SIMULATION)
-    launch.ended()
-    assert f'{robot.link}: belongs to a running create_sim (process {os.getpid()}); end that' in (
-        launch.output)
-    assert robot.link.is_symlink()

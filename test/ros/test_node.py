@@ -13,10 +13,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
-from rcl_interfaces.srv import DescribeParameters, ListParameters
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
+from sensor_msgs.msg import Imu, PointCloud2
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
@@ -108,31 +107,6 @@ def test_what_touches_the_robot_is_published(ready):
     assert ready.modes[-1].wanted == Mode.SAFE
 
 
-def test_the_battery_keeps_its_contract(ready):
-    batteries = ready.ros.listen(BatteryState, 'battery_state')
-    ready.ros.until(lambda: batteries)
-    battery = batteries[-1]
-    assert 12 < battery.voltage < 18
-    assert battery.current < 0
-    assert 0 <= battery.percentage <= 1
-    assert battery.power_supply_status == BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
-    ready.robot.body.plug_charger(True)
-    ready.ros.until(lambda: batteries[-1].power_supply_status
-                    == BatteryState.POWER_SUPPLY_STATUS_CHARGING)
-
-
-def test_wheels_turn_in_joint_states_and_tf_follows(ready):
-    joints = ready.ros.listen(JointState, 'joint_states')
-    transforms = ready.ros.listen(TFMessage, '/tf')
-    ready.ros.until(lambda: joints and transforms)
-    begun = joints[-1].position[0]
-    ready.drive(0.3, 0.0, lambda: joints[-1].position[0] > begun + 5)
-    assert list(joints[-1].name) == ['left_wheel_joint', 'right_wheel_joint']
-    moved = transforms[-1].transforms[0]
-    assert (moved.header.frame_id, moved.child_frame_id) == ('odom', 'base_footprint')
-    assert moved.transform.translation.x > 0.1
-
-
 def test_without_further_velocities_the_wheels_stop_and_one_that_is_no_number_is_refused(ready):
     velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
     ready.ros.until(velocity.get_subscription_count)
@@ -200,16 +174,6 @@ def test_a_signal_stops_the_wheels_and_leaves_passive(stage):
     assert 'Traceback' not in ready.node.output
 
 
-def test_diagnostics_of_a_late_subscriber_are_of_the_last_second(ready):
-    odom = ready.ros.listen(Odometry, 'odom', 200)
-    ready.ros.until(lambda: len(odom) > 170, 'two seconds and a half that nobody diagnosed')
-    diagnostics = ready.ros.listen(DiagnosticArray, '/diagnostics')
-    ready.ros.until(lambda: diagnostics)
-    link = next(s for s in diagnostics[0].status if s.name.endswith('serial link'))
-    values = {value.key: value.value for value in link.values}
-    assert 0 < float(values['frames per second']) < 150
-
-
 def test_a_port_that_is_missing_is_named_once(stage):
     node = stage.node(stage.folder / 'nothing')
     diagnostics = stage.ros.listen(DiagnosticArray, '/diagnostics')
@@ -217,21 +181,7 @@ def test_a_port_that_is_missing_is_named_once(stage):
     stage.ros.until(lambda: len(diagnostics) >= 3)
     assert node.output.count('does not exist') == 1
     link = next(s for s in diagnostics[-1].status if s.name.endswith('serial link'))
-    assert link.level == b'\x02'
-
-
-def test_parameters_are_described_and_refused_at_run_time(ready):
-    names = ready.ros.call(ListParameters, 'create/list_parameters').result.names
-    ours = [name for name in names if '.' not in name and name != 'use_sim_time'
-            and name != 'start_type_description_service']
-    described = ready.ros.call(
-        DescribeParameters, 'create/describe_parameters', names=ours).descriptors
-    assert ours
-    assert all(each.description for each in described)
-    assert ready.set('sensor_rate', 10.0) and ready.set('sensor_rate', 20.0)
-    for name, value in (('cmd_vel_timeout', -1.0), ('cmd_vel_timeout', nan),
-                        ('wheel_separation', 0.3)):
-        assert not ready.set(name, value)
+    assert link.level == b'\x02' and 'does not exist' in link.message
 
 
 def test_a_gyro_is_published_by_rep_145_once_it_follows_the_wheels(stage):

@@ -15,13 +15,10 @@ from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.apps import run
 from create_oi_ros.apps.run import run_domain, run_folder
 from create_oi_ros.ros import waiting
-from create_oi_ros.ros.programs import UserError
 from create_oi_ros.ros.waiting import (
     announce,
-    DISCOVERY_TIMEOUT,
     drivers,
     other_user,
     RunningDriver,
@@ -109,23 +106,6 @@ def test_a_domain_that_is_set_is_kept(no_domain):
         assert 'ROS_AUTOMATIC_DISCOVERY_RANGE' not in os.environ
 
 
-def test_a_domain_is_free_again_after_its_run(no_domain):
-    no_domain.setattr(run, 'DOMAINS', range(228, 229))
-    for _ in range(2):
-        with run_domain() as domain:
-            assert domain == '228'
-            no_domain.delenv('ROS_DOMAIN_ID')
-
-
-def test_when_all_domains_are_taken_it_says_so(no_domain):
-    no_domain.setattr(run, 'DOMAINS', range(229, 230))
-    with run_domain():
-        no_domain.delenv('ROS_DOMAIN_ID')
-        with pytest.raises(UserError, match='choose a domain yourself with ROS_DOMAIN_ID'):
-            with run_domain():
-                pass
-
-
 def dead_process() -> int:
     """Return the id of a process that has ended."""
     done = subprocess.Popen([sys.executable, '-c', ''])
@@ -194,13 +174,6 @@ def test_it_says_what_it_waits_for_and_where_a_driver_runs(monkeypatch, found, n
         RunningDriver(*each, os.getuid()) for each in found])
     assert waits_for(node(namespace), 'odom', WARNING_DELAY - 0.1) is None
     assert words in waits_for(node(namespace), 'odom', WARNING_DELAY)
-
-
-def test_a_driver_that_runs_here_is_given_more_time_to_be_found(monkeypatch):
-    monkeypatch.setattr(waiting, 'drivers', lambda: [
-        RunningDriver(7, '/robot1/create', os.getuid())])
-    assert waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT - 0.1) is None
-    assert 'but ROS does not find it' in waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT)
 
 
 @pytest.mark.parametrize(('users', 'transports', 'says'), [

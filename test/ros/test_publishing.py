@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is published for a frame: the values, the order of the topics, and the rates."""
 
-from math import isnan, pi, sqrt
+from math import hypot, isnan, pi, sqrt
 from typing import Any
 
 from create_oi_msgs.msg import (
@@ -25,8 +25,10 @@ from sensor_msgs.msg import BatteryState, Imu, JointState
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Moved
+from create_oi_ros.driver.contacts import Contacts, LEFT_BEHIND, OUTSIDE
 from create_oi_ros.driver.stream import ALL
 from create_oi_ros.odometry import Estimate
+from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.publishing import check_fill, FramePublisher, FrameTopic
 from create_oi_ros.ros.topics import ALL_TOPICS, SENSOR_TOPICS, SensorTopic
@@ -207,14 +209,6 @@ def test_a_change_comes_before_the_odometry_and_at_once(frames):
     assert frames.next() == ['Cliff', 'Song', 'Odometry']
 
 
-def test_what_is_due_again_comes_behind_the_odometry_in_its_period(frames):
-    frames.quiet()
-    told = [list(frames.next()) for _ in range(200)]
-    assert all(names[0] == 'Odometry' for names in told)
-    for name in ('Bumper', 'Cliff'):
-        assert sum(name in names for names in told) == round(200 * oi.SLOT / PERIOD)
-
-
 def test_a_topic_that_changes_in_each_frame_comes_once_and_delays_no_other(frames):
     frames.quiet()
     told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(200)]
@@ -258,3 +252,36 @@ def test_only_what_is_heard_or_latched_is_published(frames):
     told = {name for wall in range(40) for name in frames.next(wall=wall % 2, buttons=wall % 2)}
     assert {'Odometry', 'Bumper', 'Cliff', 'Buttons'} <= told
     assert not told & {'Wall', 'WheelDrop', 'JointState', 'TFMessage', 'BatteryState'}
+
+
+# What was felt, as points of `contacts`.
+
+
+def felt(contacts: Contacts, at: Estimate, stamp: float = 0.0, **readings: int) -> Any:
+    """Take a frame in; return the points, kept for two seconds."""
+    contacts.update(oi.Readings(QUIET | readings), at, stamp, 2.0)
+    return contacts.points(at)
+
+
+@pytest.mark.parametrize(('readings', 'left'), [
+    ({'bumps_and_wheel_drops': 2}, 1), ({'bumps_and_wheel_drops': 1}, -1),
+    ({'bumps_and_wheel_drops': 3}, 0), ({'cliff_left': 1}, 1), ({'cliff_front_left': 1}, 1),
+    ({'cliff_front_right': 1}, -1), ({'cliff_right': 1}, -1), ({'virtual_wall': 1}, 0)])
+def test_each_sensor_has_a_point_just_outside_the_hull_on_its_side(readings, left):
+    (x, y), = felt(Contacts(), Estimate(x=1.0, y=2.0, yaw=pi / 2), **readings)
+    assert hypot(x, y) == pytest.approx(BODY_RADIUS + OUTSIDE) and x > 0
+    assert y == pytest.approx(0, abs=1e-9) if left == 0 else y * left > 0
+
+
+def test_a_robot_that_moves_away_leaves_what_it_felt_where_that_was():
+    contacts, there = Contacts(), Estimate(x=1.0, y=2.0, yaw=pi / 2)
+    assert len(felt(contacts, there, bumps_and_wheel_drops=2)) == 1
+    (_, y), = felt(contacts, there, 0.015, bumps_and_wheel_drops=3)
+    assert y == pytest.approx(0, abs=1e-9), 'one half came first'
+    back, far = there._replace(y=1.95), BODY_RADIUS + OUTSIDE + 0.05
+    assert felt(contacts, back, 0.5)[0] == pytest.approx((far, 0.0))
+    assert felt(contacts, back._replace(yaw=pi), 2.0)[0] == pytest.approx((0.0, -far))
+    assert felt(contacts, back, 2.1) == ()
+    felt(contacts, there, 3.0, virtual_wall=1)
+    assert felt(contacts, there._replace(y=2.0 - LEFT_BEHIND - 0.01), 3.1) == ()
+

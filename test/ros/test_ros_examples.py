@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Examples that need a driver: what ros2 does, a node of one's own, LEDs, a tune, two robots."""
 
-from math import atan2, remainder, tau
 import signal
 
 from create_oi_msgs.msg import Mode
@@ -11,12 +10,7 @@ import pytest
 import yaml
 
 from create_oi_ros import oi
-from create_oi_ros.robot import BODY_RADIUS, WHEEL_SEPARATION
-from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.firmware.guesses import Guesses
-from create_oi_ros.sim.world import parse, Pose, shipped, World
-from examples.follow_wall import PERIOD, Steering
+from create_oi_ros.sim.world import parse, Pose, shipped
 from support.ros import scene
 
 
@@ -107,46 +101,6 @@ def test_two_robots_drive_a_square_each(tmp_path):
 
 
 # The example that follows a wall: in memory around a room, and as a process at a cliff.
-
-
-HALF = WHEEL_SEPARATION / 2
-"""Metres from the middle of the robot to a wheel."""
-DELAY = 2
-"""Delay from sensor to wheels in periods, as over ROS and a serial line."""
-
-
-def lap(world: World, seconds: float) -> list[tuple[float, float, float]]:
-    """Let the example drive in memory; return the true pose after each period."""
-    body = Body(world)
-    create = Create(body, guesses=Guesses(boot_seconds=0))
-    create.receive(oi.Start().encode() + oi.Safe().encode(), 0.0)
-    steering, moves, poses = Steering(), [(0.0, 0.0)] * DELAY, []
-    for period in range(1, round(seconds / PERIOD)):
-        seen = body.sense()
-        moves.append(steering.next_move(seen.bump_left or seen.bump_right, seen.wall_signal))
-        speed, turn = moves.pop(0)
-        create.receive(oi.DriveDirect(
-            right=round(1000 * (speed + HALF * turn)),
-            left=round(1000 * (speed - HALF * turn))).encode(), (period - 1) * PERIOD)
-        create.poll(period * PERIOD)
-        pose = body.truth().pose
-        poses.append((pose.x, pose.y, pose.yaw))
-    return poses
-
-
-def test_it_goes_round_the_room_near_its_walls():
-    """It is never far from the nearest of walls, cupboard, bin and the Home Base's wall."""
-    room = shipped('room')
-    poses = lap(room, 100.0)
-    reached = next(index for index, (x, y, _) in enumerate(poses) if x > 1.8)
-    gaps = sorted(min(each.gap(x, y) for each in room.obstacles) - BODY_RADIUS
-                  for x, y, _ in poses[reached:])
-    assert gaps[len(gaps) // 2] == pytest.approx(0.05, abs=0.01)
-    assert gaps[int(0.95 * len(gaps))] < 0.1
-    assert gaps[-1] < 0.3
-    turned = sum(remainder(atan2(b[1], b[0]) - atan2(a[1], a[0]), tau)
-                 for a, b in zip(poses, poses[1:]))
-    assert turned > tau
 
 
 def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(tmp_path):

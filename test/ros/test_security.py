@@ -128,16 +128,6 @@ def test_a_pilot_may_drive_listen_and_ask():
     assert actions(pilot, 'call') == {action.name for action in ALL_ACTIONS}
 
 
-def test_the_policy_is_installed_and_every_enclave_has_its_keys_made():
-    assert 'config/sros2_policy.xml' in DOCS
-    assert "'config'" in (ROOT / 'setup.py').read_text('utf-8')
-    for enclave in POLICY.iter('enclave'):
-        path = enclave.get('path')
-        assert f'create_enclave create_keys {path}\n' in DOCS
-        assert f'create_permission create_keys {path} $policy' in DOCS
-        assert f'--enclave {path}\n' in DOCS
-
-
 def drive(who: Listener, until: Callable[[], object]) -> None:
     """Publish a velocity until a condition is true."""
     velocity = who.node.create_publisher(Twist, 'cmd_vel', 1)

@@ -97,23 +97,6 @@ def endpoint(qos: QoSProfile = RELIABLE, type_: str = 'Twist') -> TopicEndpointI
     return TopicEndpointInfo(topic_type=f'geometry_msgs/msg/{type_}', qos_profile=qos)
 
 
-def test_while_a_subscription_is_being_made_no_other_is_asked_for(stage, monkeypatch):
-    made, begun, go_on = stage.start(), [], threading.Event()
-    create = made.node.create_subscription
-
-    def slow(type_: type, *args: Any, **options: Any) -> Any:
-        begun.append(type_)
-        assert go_on.wait(TIMEOUT)
-        return create(type_, *args, **options)
-    monkeypatch.setattr(made.node, 'create_subscription', slow)
-    made.adapt([endpoint(type_='TwistStamped')])
-    stage.ros.until(lambda: begun)
-    made.adapt([endpoint(type_='TwistStamped')])
-    go_on.set()
-    stage.hears(stage.publisher(TwistStamped), 0.1)
-    assert begun == [TwistStamped]
-
-
 def test_best_effort_ends_when_all_have_been_reliable_for_a_while(stage):
     made = stage.start()
     made.adapt([endpoint(), endpoint(BEST_EFFORT)])
@@ -128,20 +111,6 @@ def test_best_effort_ends_when_all_have_been_reliable_for_a_while(stage):
         made.adapt([endpoint()])
     stage.ros.until(lambda: made.reliability is ReliabilityPolicy.RELIABLE)
     stage.hears(stage.publisher(Twist), 0.2)
-
-
-def test_two_drivers_in_one_process_that_share_the_topic_both_change(stage):
-    stage.start()
-    stage.start()
-    publish = stage.publisher(TwistStamped)
-
-    def both_hear() -> bool:
-        for each in stage.inputs:
-            each.adapt(stage.ros.node.get_publishers_info_by_topic('cmd_vel'))
-        publish(0.1)
-        return all(subscription.msg_type is TwistStamped for each in stage.inputs
-                   for subscription in each.node.subscriptions) and len(stage.got) > 1
-    stage.ros.until(both_hear)
 
 
 def test_close_waits_for_the_function(stage):
@@ -161,21 +130,6 @@ def test_close_waits_for_the_function(stage):
         each.close()
     assert left.is_set()
     assert not stage.failed.is_set()
-
-
-def test_an_error_in_the_function_is_told_and_printed(stage, monkeypatch):
-    printed: list[threading.ExceptHookArgs] = []
-    monkeypatch.setattr(threading, 'excepthook', printed.append)
-
-    def take(linear: float, angular: float, stamp: Any) -> None:
-        raise ValueError(f'{linear} is wrong')
-    made = VelocityInput(stage.ros.node, 'twist', take, on_failure=stage.failed.set)
-    stage.inputs.append(made)
-    made.start()
-    publish = stage.publisher(Twist)
-    stage.ros.until(lambda: publish(0.5) or stage.failed.is_set())
-    stage.ros.until(lambda: printed)
-    assert [str(each.exc_value) for each in printed] == ['0.5 is wrong']
 
 
 # Who takes the commands: only a driver does, a node that publishes its mode.
@@ -225,24 +179,3 @@ def test_a_listener_is_no_driver_and_does_not_choose_the_type(stage, others):
     others.node('echo', takes=Twist)
     stage.ros.until(lambda: stage.ros.node.count_subscribers('cmd_vel') == 3)
     assert driver_type(stage.ros.node) is TwistStamped
-
-
-def test_a_driver_of_one_node_and_of_remapped_names_is_one(stage, others):
-    other = others.node('base', takes=Twist, topic='/base/drive', mode='/base/state')
-    asking = others.node('asking', 'cmd_vel:=/base/drive')
-    asking.until(lambda: driver_type(asking.node))
-    assert driver_type(asking.node) is Twist
-    stage.ros.until(lambda: stage.ros.node.count_publishers('/base/state'))
-    assert driver_type(stage.ros.node) is None, 'it takes another topic'
-    other.node.destroy_node()
-    asking.until(lambda: driver_type(asking.node) is None)
-
-
-def test_the_node_of_the_commands_belongs_to_the_driver_of_its_namespace(stage, others):
-    others.node('create_cmd_vel', '__ns:=/two', takes=Twist, topic='/cmd_vel')
-    others.node('create', '__ns:=/one', mode='mode')
-    stage.ros.until(lambda: stage.ros.node.count_subscribers('cmd_vel')
-                    and stage.ros.node.count_publishers('/one/mode'))
-    assert driver_type(stage.ros.node) is None
-    others.node('create', '__ns:=/two', mode='mode')
-    stage.ros.until(lambda: driver_type(stage.ros.node) is Twist)

@@ -9,10 +9,9 @@ import pytest
 from create_oi_ros.oi import ChargingState
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.battery import Battery, CAPACITY
-from create_oi_ros.sim.world import parse, World
+from create_oi_ros.sim.world import World
 
 HOUR = 3600.0
-DOCKED = parse('start 0.165 0 180 \n home_base 0 0 0', 'docked')
 
 
 def charging(charge=0.5):
@@ -29,16 +28,6 @@ def test_the_battery_drains_while_the_robot_stands():
     body.step(HOUR)
     assert body.sense().charge == before - 200
     assert body.sense().current == -200
-
-
-def test_driving_draws_more_and_the_voltage_sags():
-    body = Body(World())
-    body.step(1)
-    standing = body.sense()
-    body.drive(right=0.5, left=0.5)
-    body.step(1)
-    assert body.sense().current < standing.current
-    assert body.sense().voltage < standing.voltage
 
 
 def test_an_empty_battery_is_flat_and_stays_at_zero():
@@ -61,25 +50,6 @@ def test_charging_goes_through_reconditioning_full_trickle_and_waiting():
     assert 0.9 < body.sense().charge / body.sense().capacity <= 1
 
 
-def test_the_current_is_positive_while_charging_and_falls_by_stage():
-    body, currents = charging(), {}
-    for charge in (0.01, 0.5, 1.0):
-        body.set_battery(charge=charge)
-        body.step(1)
-        currents[body.sense().charging_state] = body.sense().current
-    assert currents[ChargingState.FULL_CHARGING] > currents[ChargingState.RECONDITIONING] \
-        > currents[ChargingState.TRICKLE] > 0
-
-
-def test_waiting_ends_when_enough_was_used():
-    body = charging(charge=1.0)
-    body.step(HOUR + 10)
-    assert body.sense().charging_state == ChargingState.WAITING
-    assert body.sense().current < 0
-    body.step(2 * HOUR)
-    assert body.sense().charging_state in (ChargingState.FULL_CHARGING, ChargingState.TRICKLE)
-
-
 @pytest.mark.parametrize('acts', [
     [(lambda body: body.allow_charging(False), ChargingState.NOT_CHARGING),  # Safe and Full do
      (lambda body: body.allow_charging(True), ChargingState.FULL_CHARGING)],
@@ -97,28 +67,6 @@ def test_charging_stops_for_a_mode_a_fault_and_heat_and_goes_on(acts):
         sense = body.sense()
         assert sense.charging_state == state and sense.internal_charger
         assert (sense.current > 0) is (state == ChargingState.FULL_CHARGING)
-
-
-def test_work_warms_the_battery_and_rest_cools_it():
-    body = Body(World())
-    cold = body.sense().temperature
-    body.load(ld0=0.5, ld1=0.5, ld2=1.5)
-    body.low_side(duty0=1, duty1=1, duty2=1)
-    body.step(HOUR / 2)
-    warm = body.sense().temperature
-    assert warm > cold
-    body.low_side(duty0=0, duty1=0, duty2=0)
-    body.step(HOUR)
-    assert body.sense().temperature < warm
-
-
-def test_a_home_base_without_mains_does_nothing():
-    body = Body(DOCKED)
-    body.power_home_base(False)
-    body.step(1)
-    assert not body.sense().home_base
-    assert body.sense().infrared == 255
-    assert body.sense().charging_state == ChargingState.NOT_CHARGING
 
 
 @pytest.mark.parametrize(('driver', 'limit'), [('ld0', 0.5), ('ld1', 0.5), ('ld2', 1.5)])

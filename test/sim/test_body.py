@@ -4,7 +4,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from math import cos, degrees, inf, nan, pi, radians, remainder, sin, tau
+from math import cos, degrees, inf, nan, radians, remainder, sin, tau
 from statistics import fmean, mean, pstdev, stdev
 
 from hypothesis import given, settings
@@ -13,10 +13,8 @@ import pytest
 
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY, EncoderSign
-from create_oi_ros.sim.body.drivetrain import Drivetrain
 from create_oi_ros.sim.body.gyro import Gyro
 from create_oi_ros.sim.body.mechanics import Accumulator
-from create_oi_ros.sim.firmware.guesses import parse_guesses
 from create_oi_ros.sim.world import shipped, World
 from support.bodies import B, Body, body_at_speed, FRAME, ideal
 
@@ -59,24 +57,6 @@ def test_wheels_brake_at_their_limit_and_rest():
     assert body.truth().speed == pytest.approx(0.1)
     body.step(0.2)
     assert body.truth().speed == 0
-
-
-def test_unequal_wheels_bend_the_way_and_hide_it_from_the_encoders():
-    body = body_at_speed(0.3, 0.3, config=ideal(right_wheel_scale=1.02))
-    body.step(5)
-    assert body.truth().turned == pytest.approx(0.3 * 0.02 / B * body.truth().measured_travelled
-                                                / 0.3, rel=1e-6)
-    assert body.truth().measured_turned == 0
-
-
-def test_a_slip_burst_ends_by_itself():
-    body = body_at_speed(0.3, 0.3)
-    before = body.truth()
-    body.slip(right=1.0, left=1.0, seconds=0.5)
-    body.step(1.0)
-    after = body.truth()
-    assert after.measured_travelled - before.measured_travelled == pytest.approx(0.3)
-    assert after.travelled - before.travelled == pytest.approx(0.15)
 
 
 @pytest.mark.parametrize('dt', [-0.001, inf, nan])
@@ -132,11 +112,6 @@ def ways(seconds: int, *, seed: int = 1, cuts: int = 10, asked: float = ASKED,
     return found
 
 
-def test_the_likeliest_robot_runs_steadily():
-    assert (DEFAULT_BODY.speed_jitter, DEFAULT_BODY.speed_wander) == (0.0, 0.0)
-    assert ways(20) == pytest.approx([1.0] * 20, abs=1e-4)
-
-
 def test_jitter_is_what_the_mean_speed_of_a_second_strays_by():
     """Both wheels stray on their own: their mean does by less, by the root of two."""
     found = ways(400, speed_jitter=0.02)
@@ -145,36 +120,11 @@ def test_jitter_is_what_the_mean_speed_of_a_second_strays_by():
     assert pstdev(b - a for a, b in pairwise(found)) == pytest.approx(0.02, rel=0.15)
 
 
-def test_wander_comes_within_half_a_minute():
-    found = [ways(31, seed=seed, cuts=2, speed_wander=0.05) for seed in range(40)]
-    assert pstdev(each[0] for each in found) * 2 ** 0.5 == pytest.approx(0.05, rel=0.35)
-    soon = [abs(each[1] - each[0]) for each in found]
-    late = [abs(each[30] - each[0]) for each in found]
-    assert fmean(soon) < 0.02 < fmean(late)
-
-
 def test_the_same_seed_is_the_same_robot_however_time_is_cut():
     fine, coarse = (ways(20, cuts=cuts, speed_jitter=0.02, speed_wander=0.05)
                     for cuts in (67, 4))
     assert fine == pytest.approx(coarse, abs=1e-6)
     assert fine != pytest.approx(ways(20, seed=2, speed_jitter=0.02, speed_wander=0.05), abs=1e-3)
-
-
-def test_a_pushed_wheel_has_the_speed_of_the_floor():
-    body = Body(World(), config=replace(DEFAULT_BODY, speed_jitter=0.1))
-    body.push(speed=0.2, rate=0.0, seconds=1.0)
-    body.step(0.5)
-    assert body.truth().measured_travelled == pytest.approx(0.1, abs=0.001)
-    assert body.truth().speed == 0.2
-
-
-@pytest.mark.parametrize('name', ['speed_jitter', 'speed_wander'])
-def test_it_is_a_guess_of_the_command_line(name):
-    config, _ = parse_guesses([f'{name}=0.02'])
-    assert getattr(config, name) == 0.02
-    for value in (-0.01, 0.2):
-        with pytest.raises(ValueError, match=f'{name} is {value}; allowed: 0 to 0.1'):
-            parse_guesses([f'{name}={value}'])
 
 
 # The gyro: an ADXRS613 on ten bits.
@@ -251,31 +201,6 @@ def test_what_waits_is_capped_at_16_bits(rounding, amount, cap):
     assert abs(accumulator.take()) <= 0
 
 
-@pytest.mark.parametrize('rounding', Rounding)
-def test_a_sum_of_floats_that_means_a_whole_number_is_one(rounding):
-    assert filled(rounding, *[0.1] * 10).take() == 1
-
-
-def reversed_count(sign: EncoderSign, slot: float) -> float:
-    """Return what a wheel that reverses counts, metres, when time is cut into such slots."""
-    wheel = Drivetrain(replace(DEFAULT_BODY, encoder_sign=sign, encoder_tick=0.0)).right
-    counted, slots = 0.0, round(1.2 / slot)
-    for number in range(2 * slots):
-        if number % slots == 0:
-            wheel.command(-0.25 if number else 0.25)
-        left = slot
-        while left > 1e-12:
-            piece = wheel.horizon(left)
-            counted += wheel.count(wheel.roll(piece))
-            left -= piece
-    return counted
-
-
-@pytest.mark.parametrize('sign', EncoderSign)
-def test_what_a_reversing_wheel_counts_does_not_depend_on_how_time_is_cut(sign):
-    assert reversed_count(sign, 0.04) == pytest.approx(reversed_count(sign, 0.001), abs=1e-4)
-
-
 # What distance and angle report of them.
 
 
@@ -300,19 +225,3 @@ def test_what_a_wheel_counts_while_it_rolls_out_against_its_command(
     assert body.truth().speed == pytest.approx(0)
     assert (body.truth().pose.x > x) is (before > 0)
     assert body.take_distance() == counted
-
-
-def test_once_the_wheels_rest_a_push_counts_up_again():
-    body = body_at_speed(-0.3, -0.3, config=ideal(encoder_sign=EncoderSign.UNTIL_REST))
-    body.drive(right=0, left=0)
-    body.step(1)
-    body.take_distance()
-    body.push(speed=-0.1, rate=0, seconds=1)
-    body.step(1)
-    assert body.take_distance() == 100
-
-
-def test_the_firmwares_own_wheel_separation_scales_its_angle():
-    body = body_at_speed(0.129, -0.129, config=ideal(encoder_separation=0.516))
-    body.step(pi / 2)
-    assert body.take_angle() == 45

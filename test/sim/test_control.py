@@ -12,10 +12,6 @@ import threading
 import pytest
 
 from create_oi_ros.sim.firmware.guesses import DEFAULT_GUESSES, Guesses
-from create_oi_ros.sim.server.control import WORDS
-from create_oi_ros.sim.server.faults import FaultKind
-from create_oi_ros.sim.world import parse, WorldError
-from create_oi_ros.sim.world.world import KEYWORDS
 from support.simulator import (
     ControlClient,
     FRAME,
@@ -149,24 +145,7 @@ def test_record_writes_the_truth_of_every_slot(tmp_path: Path) -> None:
 
 
 PAGES = Path(__file__).parents[2] / 'docs'
-DOCS = (PAGES / 'simulator.md').read_text('utf-8')
 GUESSES = (PAGES / 'simulator_guesses.md').read_text('utf-8')
-
-
-def test_the_room_on_its_page_is_one() -> None:
-    text = (PAGES / 'own_room.md').read_text('utf-8')
-    room = parse(text.split('```')[1], 'my.world')
-    assert room.home_bases and room.cliffs and room.patches
-    with pytest.raises(WorldError, match='my.world, line 3: 3 numbers after .box.; allowed: "box'):
-        parse('start 0 0 0\n\nbox 1 1 1', 'my.world')
-    assert all(f'`{word} ' in text for word in KEYWORDS)
-
-
-@pytest.mark.parametrize('form', [
-    *(f'{name} {word.form}'.strip().replace('|', r'\|') for name, word in WORDS.items()),
-    *(kind.value for kind in FaultKind)])
-def test_every_word_of_the_control_socket_and_every_kind_of_fault_is_there(form: str) -> None:
-    assert f'`{form}`' in DOCS
 
 
 @pytest.mark.parametrize('name', [field.name for field in fields(Guesses)])

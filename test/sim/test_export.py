@@ -55,11 +55,6 @@ def test_free_is_where_a_robot_could_be_and_unknown_what_lies_outside(name):
     assert grey_at(drawn, drawn.x - 5, drawn.y) == UNKNOWN
 
 
-def test_a_world_of_nothing_is_free_floor():
-    drawn = map_of(World())
-    assert set(drawn.cells) == {FREE}
-
-
 def test_the_program_writes_a_map_that_nav2_can_load(tmp_path: Path):
     path = tmp_path / 'apartment.yaml'
     with simulator('--world', 'apartment', '--export', path) as sim:

@@ -79,20 +79,7 @@ def test_whether_bits_without_a_meaning_count_is_a_guess_with_a_switch(masks: bo
     assert (state.lights, state.duties, state.outputs) == (after if masks else before)
 
 
-def test_in_passive_the_robot_lights_its_own_leds() -> None:
-    robot = Robot(Mode.PASSIVE)
-    robot.body.set_battery(charge=0.0)
-    empty = robot.create.lights
-    robot.body.set_battery(charge=1.0)
-    assert (empty.color, robot.create.lights.color) == (255, 0)
-
-
 # Digital Outputs.
-
-def test_digital_outputs_are_set_by_three_bits(robot: Robot) -> None:
-    for bits in range(8):
-        robot.say(bytes([147, bits]))
-        assert robot.create.outputs == bits
 
 
 def test_when_switched_on_the_digital_outputs_are_high_for_the_first_3_seconds() -> None:

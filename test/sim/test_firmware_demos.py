@@ -109,14 +109,6 @@ def test_mouse_drives_along_the_wall_around_the_circumference_of_the_room() -> N
     assert len(beside) > 0.95 * len(late)
 
 
-def test_figure_eight_drives_circles_to_both_sides() -> None:
-    robot = performing(DemoNumber.DRIVE_FIGURE_EIGHT)
-    poses = track(robot, 60)
-    assert max(pose.y for pose in poses) > 0.5
-    assert min(pose.y for pose in poses) < -0.5
-    assert abs(max(pose.y for pose in poses) + min(pose.y for pose in poses)) < 0.1
-
-
 @pytest.mark.parametrize('demo', [
     DemoNumber.WIMP, DemoNumber.HOME, DemoNumber.TAG, DemoNumber.PACHELBEL, DemoNumber.BANJO])
 def test_a_demo_that_is_not_simulated_plays_and_the_robot_stands(demo: DemoNumber) -> None:

@@ -6,7 +6,7 @@ What the simulated Create answers, one test for each sentence of the manual that
 Sections Input Commands, Sensor Packets and their quick reference.
 """
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
@@ -200,6 +200,7 @@ def test_distance_is_forward_positive_and_angle_counter_clockwise_positive(
     assert int.from_bytes(sent[2:], signed=True) == pytest.approx(angle, rel=0.005)
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats(0.001, 0.2), max_size=20))
 def test_it_does_not_matter_how_often_one_polls(cuts: list[float]) -> None:
     robots = [Robot(Mode.SAFE) for _ in range(2)]

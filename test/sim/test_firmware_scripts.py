@@ -6,19 +6,14 @@ Scripts and waits of the simulated Create, one test for each sentence of the man
 Sections Script Commands and Wait Commands.
 """
 
-from math import degrees
 
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
-from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import Guesses
 from support.robot import GENTLE, Robot
-import vectors
 
-DRIVE_40_CM, _, SQUARE = (sent for _, _, sent in vectors.SCRIPTS)
 PLAY, SHOW = bytes([153]), bytes([154])
 LOOP = bytes([152, 3, 151, 77, 153])
 AFTER = bytes([139, 8, 0, 0])
@@ -114,16 +109,6 @@ def test_bytes_behind_a_wait_are_lost_by_a_robot_without_a_queue(script: bytes) 
     assert robot.wheels == (100, 100)
 
 
-def test_eleven_moves_in_one_burst_are_made_one_after_the_other() -> None:
-    """As one program of the public sends them: 13 bytes each, 143 in all."""
-    robot = Robot(Mode.FULL, config=DEFAULT_BODY)
-    move = bytes([137, 0, 100, 128, 0, 156, 0, 100, 137, 0, 0, 0, 0])
-    robot.say(move * 11)
-    robot.run(15)
-    assert robot.speed == 0
-    assert robot.body.truth().travelled == pytest.approx(1.12, abs=0.02)
-
-
 @pytest.mark.parametrize('queue', [0, 256])
 def test_a_request_during_a_wait_is_answered_at_once_by_another_guess(queue: int) -> None:
     robot = Robot(Mode.FULL, guesses=Guesses(wait_answers=True, wait_queue=queue))
@@ -213,15 +198,6 @@ def test_wait_distance_does_not_end_on_travel_the_other_way(robot: Robot) -> Non
     assert robot.create.waiting
 
 
-def test_if_the_wheels_are_passively_rotated_the_distance_is_incremented(robot: Robot) -> None:
-    robot.say(oi.WaitDistance(distance=100))
-    robot.body.push(speed=-0.1, rate=0, seconds=2)
-    robot.run(0.9)
-    assert robot.create.waiting
-    robot.run(0.2)
-    assert not robot.create.waiting
-
-
 @pytest.mark.parametrize(('left', 'wait', 'packet'), [
     (100, oi.WaitDistance(distance=0), 19), (-100, oi.WaitAngle(angle=0), 20)])
 def test_a_wait_resets_its_variable(
@@ -230,19 +206,6 @@ def test_a_wait_resets_its_variable(
     robot.run(1)
     robot.say(wait)
     assert robot.ask(packet) == b'\0\0'
-
-
-@pytest.mark.parametrize(('speed', 'low', 'high'), [
-    (100, 97, 100), (200, 97, 100), (300, 92, 101), (500, 97, 106)])
-def test_a_turn_ends_as_far_beyond_90_degrees_as_was_reported(
-        speed: int, low: float, high: float) -> None:
-    robot = Robot(Mode.FULL, rounding=Rounding.TRUNCATE, config=DEFAULT_BODY)
-    turn = bytes([152, 13, *oi.Drive(velocity=speed, radius=1).encode(), 157, 0, 90,
-                  137, 0, 0, 0, 0])
-    robot.say(turn, PLAY)
-    robot.run(6)
-    assert robot.speed == 0
-    assert low < degrees(robot.body.truth().turned) < high
 
 
 # Wait Event.
@@ -269,14 +232,6 @@ def test_wait_event_waits_for_the_event_or_its_inverse(
     robot.body.force(**{sensor: 0})
     robot.slots()
     assert not robot.create.waiting
-
-
-def test_event_22_is_oi_mode_passive() -> None:
-    robot = Robot(Mode.PASSIVE)
-    robot.say(bytes([158, 22]))
-    assert not robot.create.waiting
-    robot.say(bytes([158, 234]))
-    assert robot.create.waiting
 
 
 @pytest.mark.parametrize('event', [0, 23, 128, 233])

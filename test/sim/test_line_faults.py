@@ -57,19 +57,6 @@ def test_damage_happens_to_bytes_of_the_robot_except_with_in() -> None:
     assert faults('flip.in:1').from_robot(FRAME, 0) == FRAME
 
 
-def test_damage_can_be_limited_to_a_time() -> None:
-    some = faults('flip:1@2+1~10')
-    damaged = [time for time in range(25) if some.from_robot(FRAME, time) != FRAME]
-    assert damaged == [2, 12, 22]
-
-
-def test_the_same_seed_gives_the_same_faults() -> None:
-    specs = ('flip:0.3', 'drop:0.3', 'garbage:0.3', 'flip.in:0.3')
-    one, two, other = faults(*specs), faults(*specs), faults(*specs, seed=2)
-    said = [[each.from_robot(FRAME, 0) for _ in range(50)] for each in (one, two, other)]
-    assert said[0] == said[1] != said[2]
-
-
 # Faults that last.
 
 def test_a_time_alone_is_once_for_a_second_a_period_repeats_a_rate_is_times_a_second() -> None:

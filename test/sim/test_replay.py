@@ -188,11 +188,8 @@ def test_a_killed_node_leaves_a_capture_and_the_next_one_another(stage: Scene) -
     assert read(stage.folder / 'walk-2.capture')[1] == ''
 
 
-@pytest.mark.parametrize('wanted, words', [
-    ('no/such/folder/walk', 'No such file or directory'), ('.', 'is a folder; give a file')])
-def test_a_capture_that_cannot_be_written_is_refused_at_start(
-        stage: Scene, wanted: str, words: str) -> None:
-    node = stage.node(stage.folder / 'create', capture=stage.folder / wanted)
+def test_a_capture_that_cannot_be_written_is_refused_at_start(stage: Scene) -> None:
+    node = stage.node(stage.folder / 'create', capture=stage.folder / 'no/such/folder/walk')
     assert node.ended() == 2
-    assert 'parameter capture' in node.output and words in node.output
+    assert 'parameter capture' in node.output and 'No such file or directory' in node.output
     assert 'Traceback' not in node.output

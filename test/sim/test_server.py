@@ -23,16 +23,12 @@ from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped
 from support.simulator import (
     ControlClient,
-    FRAME,
     FULL,
     opened,
     receive,
     SAFE,
-    silent,
     simulator,
     START,
-    STREAM,
-    taught,
 )
 
 Robot = tuple[Path, ControlClient]
@@ -64,15 +60,6 @@ def test_with_linger_it_ends_when_the_client_has_closed_the_port(port: Path) -> 
         assert sim.ended()[0] == 0
 
 
-def test_a_second_signal_ends_it_at_once(port: Path) -> None:
-    with simulator('--link', port, '--linger', '60') as sim, opened(port) as client:
-        os.write(client, START + STREAM)
-        receive(client, FRAME)
-        sim.process.send_signal(signal.SIGINT)
-        receive(client, 20 * FRAME)
-        assert sim.stop()[0] == 0
-
-
 def test_a_robot_whose_client_has_gone_drives_on(robot: Robot) -> None:
     port, teacher = robot
     with opened(port) as client:
@@ -89,32 +76,6 @@ def test_a_command_written_by_a_client_that_closes_at_once_is_heard(robot: Robot
         teacher.tell(f'wait mode={mode}')
 
 
-def test_bytes_sent_while_no_client_is_connected_are_lost(robot: Robot) -> None:
-    port, teacher = robot
-    with opened(port) as client:
-        os.write(client, START + STREAM)
-        receive(client, FRAME)
-    before = teacher.truth('after 1')['frames']
-    assert before > 60
-    with opened(port) as client:
-        os.write(client, bytes([150, 0]))
-        teacher.tell('after 0.1')
-        os.write(client, bytes([154]))
-        heard = b''
-        while not silent(client, 0.3):
-            heard += os.read(client, 4096)
-    assert len(heard) < 60 * FRAME
-    assert heard[-1:] == b'\0'
-
-
-def test_a_client_that_stops_reading_loses_bytes_and_no_more(tmp_path: Path) -> None:
-    with taught(tmp_path, '--speed', '20') as (port, teacher), opened(port) as client:
-        os.write(client, START + STREAM)
-        teacher.tell('wait frames>3000 timeout=100')
-        os.write(client, SAFE)
-        teacher.tell('wait mode=SAFE')
-
-
 # The line.
 
 def test_the_terminal_is_raw_and_57600() -> None:
@@ -124,31 +85,6 @@ def test_the_terminal_is_raw_and_57600() -> None:
         assert not settings[3] & (termios.ICANON | termios.ECHO | termios.ISIG)
         os.write(client, START + bytes([140, 0, 1, 3, 13, 152, 4, 10, 13, 17, 19, 154]))
         assert receive(client, 5) == bytes([4, 10, 13, 17, 19])
-
-
-@pytest.mark.parametrize('rate', [19200, 28800])
-def test_a_client_at_another_baud_rate_is_not_understood(robot: Robot, rate: int) -> None:
-    port, teacher = robot
-    with serial.Serial(str(port), rate, timeout=0.2) as client:
-        client.write(START * 5)
-        assert client.read(10) == b''
-        assert teacher.truth()['mode'] == 'OFF'
-
-
-def test_what_a_client_hears_at_another_rate_ends_when_it_has_the_right_one(robot: Robot) -> None:
-    port, teacher = robot
-    with serial.Serial(str(port), 57600, timeout=1.5) as client:
-        client.write(START + bytes([129, oi.BaudCode.B19200]))
-        teacher.tell('wait baud=19200', 'after 0.15')
-        client.baudrate = 19200
-        client.write(bytes([148, 1, 6]))
-        teacher.tell('after 0.1')
-        client.baudrate = 57600
-        teacher.tell('after 2')
-        client.baudrate = 19200
-        client.write(bytes([150, 0]))
-        client.reset_input_buffer()
-        assert len(client.read(10_000)) < 1000
 
 
 def test_a_program_of_ours_says_lines_to_the_control_socket(capsys, tmp_path) -> None:
@@ -205,29 +141,7 @@ def test_a_client_that_drains_and_sets_the_new_rate_at_once(robot: Robot) -> Non
             assert client.read(1) == b'\x02', (old, new)
 
 
-def test_a_client_is_read_at_its_own_rate_not_at_that_of_the_one_before(robot: Robot) -> None:
-    port, teacher = robot
-    rate = bytes([129, oi.BaudCode.B19200])
-    with serial.Serial(str(port), 57600) as client:
-        client.write(START + rate)
-        teacher.tell('wait baud=19200', 'after 0.15')
-    for mode, opcode in (('SAFE', SAFE), ('FULL', FULL)) * 5:
-        with serial.Serial(str(port), 57600):
-            teacher.tell('after 0.05')
-        with serial.Serial(str(port), 19200) as client:
-            client.write(opcode + rate)
-            teacher.tell(f'wait mode={mode} timeout=1', 'after 0.15')
-
-
 # The clock.
-
-def test_speed_makes_its_time_run_faster(tmp_path: Path) -> None:
-    with taught(tmp_path, '--speed', '20') as (_, teacher):
-        begin = time.monotonic()
-        before = teacher.truth()['time']
-        after = teacher.truth('after 20')['time']
-        assert after - before >= 20
-        assert time.monotonic() - begin < 20
 
 
 def test_a_long_stall_leaves_the_robot_where_it_was() -> None:

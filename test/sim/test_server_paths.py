@@ -62,16 +62,6 @@ def test_the_path_of_a_live_simulator_is_refused_with_its_process(
         teacher.tell('truth')
 
 
-def test_the_link_of_a_simulator_whose_cable_is_out_is_refused(
-        tmp_path: Path, refused: Refused) -> None:
-    with taught(tmp_path) as (port, teacher):
-        teacher.tell('cable unplug')
-        assert not os.path.lexists(port)
-        assert 'belongs to a running create_sim' in refused('--link', port)
-        teacher.tell('cable plug')
-        assert os.path.islink(port)
-
-
 def test_link_and_socket_left_by_a_killed_simulator_are_taken_over(tmp_path: Path) -> None:
     port, control = tmp_path / 'create', tmp_path / 'control'
     with simulator('--link', port, '--control', control) as sim:

@@ -72,25 +72,6 @@ def test_lifted_all_wheels_drop_all_cliffs_show_and_nothing_moves():
     assert body.truth().pose.x > before.x
 
 
-@pytest.mark.parametrize('wheel', ['right', 'left', 'caster'])
-def test_a_dropped_wheel_is_told_apart(wheel):
-    body = Body(World())
-    body.drop(**{wheel: True})
-    for each in ('right', 'left', 'caster'):
-        assert getattr(body.sense(), f'drop_{each}') is (each == wheel)
-    body.drop()
-    assert not getattr(body.sense(), f'drop_{wheel}')
-
-
-def test_a_dropped_drive_wheel_spins_without_grip():
-    body = Body(World())
-    body.drop(right=True)
-    body.drive(right=0.2, left=0.2)
-    body.step(2)
-    assert body.truth().turned < 0
-    assert body.truth().measured_turned == 0
-
-
 def test_a_held_wheel_draws_too_much_only_when_told_to_turn():
     body = Body(World())
     body.hold(left=True)
@@ -107,14 +88,6 @@ def test_a_held_wheel_draws_too_much_only_when_told_to_turn():
     assert not body.sense().overcurrent_left_wheel
 
 
-def test_a_push_turns_the_robot_and_the_wheels():
-    body = Body(World())
-    body.push(speed=0, rate=1, seconds=1)
-    body.step(3)
-    assert body.truth().turned == pytest.approx(1)
-    assert body.truth().rate == 0
-
-
 @pytest.mark.parametrize('act', [
     lambda body: body.place(Pose(math.nan, 0, 0)),
     lambda body: body.push(speed=math.inf, rate=0, seconds=1),
@@ -129,19 +102,6 @@ def test_the_outside_cannot_break_the_physics(act):
 
 
 # Sensors that are held at a value, and their ranges.
-
-
-def test_a_forced_sensor_replaces_the_physics_until_it_is_released():
-    body = Body(World())
-    body.force(bump_left=True, analog=700)
-    run(body, 1)
-    assert body.sense().bump_left is True
-    assert body.sense().analog == 700
-    body.unforce('bump_left')
-    assert not body.sense().bump_left
-    assert body.sense().analog == 700
-    body.unforce()
-    assert body.sense().analog == 0
 
 
 def test_a_forced_sensor_can_end_by_itself_to_the_millisecond():

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Room files, and what a robot senses in rooms."""
 
-from math import cos, hypot, inf, pi, radians, sin
+from math import cos, inf, pi, radians, sin
 from statistics import mean, median
 
 import numpy as np
@@ -12,10 +12,9 @@ from bench_gyro import learned, REST, SHEET
 from create_oi_ros.driver import Settings
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.surroundings import CLIFF_BELOW
-from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
-from create_oi_ros.sim.world.floor_plan import outlines
+from create_oi_ros.sim.world import parse, Pose, shipped, World, WorldError
 from create_oi_ros.sim.world.geometry import reach
-from create_oi_ros.sim.world.lidar import BEARINGS, Lidar, NOISE, TURN
+from create_oi_ros.sim.world.lidar import BEARINGS, Lidar, NOISE
 from lap import lap
 from support.nightly import NIGHTLY
 
@@ -30,9 +29,6 @@ def sensed(text, pose=None):
 
 
 # The text.
-
-def test_four_worlds_are_shipped():
-    assert shipped_names() == ('apartment', 'empty', 'room', 'table')
 
 
 @pytest.mark.parametrize('name', ['apartment', 'empty', 'room', 'table'])
@@ -169,10 +165,6 @@ def test_a_virtual_wall_is_seen_in_its_beam_and_halo(pose, seen):
     assert sense.infrared == 255
 
 
-def test_a_wall_stops_the_beam_of_a_virtual_wall():
-    assert not sensed('virtual_wall 0 0 0 2 \n wall 1 -1 1 1', (1.5, 0, 0)).virtual_wall
-
-
 # Docking.
 
 def test_driving_straight_in_docks():
@@ -188,22 +180,7 @@ def test_askew_aside_or_short_is_not_docked(pose):
     assert not sensed(BASE, pose).home_base
 
 
-def test_outlines_are_what_the_lines_of_a_room_say():
-    room = parse('# a room\n\nwall 0 0 1 0 1 2  # its wall\n'
-                 'post 3 4 0.2\ncliff 0 0 1 0 1 1\nground 0 0 9 0 9 9 0 9\n'
-                 'home_base 1 2 90\nvirtual_wall 1 2 180 0.9\n', 'a room')
-    found = outlines(room)
-    assert found['walls'][:2] == [[0, 0, 1, 0], [1, 0, 1, 2]]
-    assert found['posts'] == [[3, 4, 0.2]]
-    assert found['cliffs'] == [[0, 0, 1, 0, 1, 1]]
-    assert found['grounds'] == [[0, 0, 9, 0, 9, 9, 0, 9]]
-    assert found['home_bases'] == [[1, 2, 1.5708]]
-    assert found['virtual_walls'] == [[1, 2, 3.1416, 0.9]]
-
-
 # The simulated lidar: its beams against the walls, and its scans along the odometry.
-
-
 
 
 def scanned(world: World, poses: list[Pose]) -> list[dict]:
@@ -239,20 +216,6 @@ def test_distances_are_measured_from_12_cm_to_8_m_with_1_cm_of_noise():
     assert np.std(beside) == pytest.approx(NOISE, rel=0.3)
 
 
-def test_a_scan_is_as_old_as_the_middle_of_its_turn():
-    ages = [scan['age'] for scan in scanned(shipped('room'), [Pose()] * 100)]
-    assert all(TURN / 2 <= age < TURN / 2 + FRAME for age in ages)
-
-
-def test_each_beam_starts_where_the_robot_is_at_its_moment():
-    """A robot that drives 1 m/s towards a wall is 9 cm nearer when the last beams are measured."""
-    wall = parse('wall 3 -9 3 9 \n wall -3 -9 -3 9', 'walls')
-    scan, = scanned(wall, [Pose(x=FRAME * number) for number in range(1, 8)])
-    ahead, behind_first, behind_last = (scan['ranges'][beam] for beam in (180, 0, 359))
-    assert ahead == pytest.approx(3 - TURN / 2, abs=4 * NOISE)
-    assert behind_last - behind_first == pytest.approx(TURN, abs=6 * NOISE)
-
-
 def off_the_walls(world: World, scan) -> float:
     """Return how far the ends of the beams are off the nearest obstacle, metres, in the median."""
     gaps = []
@@ -260,15 +223,6 @@ def off_the_walls(world: World, scan) -> float:
         if np.isfinite(x):
             gaps.append(min((abs(each.gap(x, y)) for each in world.obstacles), default=inf))
     return float(np.median(gaps))
-
-
-def test_scans_of_a_lap_draw_the_walls_of_the_apartment():
-    """Laid out along the true way, whether the robot moves or not."""
-    world = shipped('apartment')
-    scans = list(lap(world, by_truth=True))
-    assert len(scans) > 700
-    assert hypot(scans[-1].robot.x - 1, scans[-1].robot.y - 1) < 0.1
-    assert max(off_the_walls(world, scan) for scan in scans[::10]) < 0.03
 
 
 @NIGHTLY
