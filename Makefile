@@ -40,7 +40,7 @@ build: $(BUILT)
 bench: build $(TESTS) ; @$(ENTER) for each in latency cost web; do python bench/bench_$$each.py || exit; done
 bench-odometry: build $(TESTS) ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 bench-goals: build $(TESTS) ; @$(ENTER) python bench/bench_goals.py $(ARGS)
-docs: build $(TESTS) ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/gyro.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf && python bench/draw_odometry.py && python bench/draw_lidar.py
+docs: build $(TESTS) ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/goals.md bench/RESULTS.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf && python bench/draw_odometry.py && python bench/draw_lidar.py
 lint: $(TESTS) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 size: ; @python3 tools/size.py
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log *.egg-info .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis

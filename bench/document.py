@@ -8,7 +8,6 @@ Between `<!-- bench NAME -->` and `<!-- end -->` stands the table of that progra
 """
 
 from pathlib import Path
-import re
 import sys
 from typing import Any
 
@@ -17,17 +16,12 @@ from results import figures_of, load, rows
 
 PREFIX = 'bench '
 LABEL = PREFIX + r'\w+'
-SHOWN = {'bench_odometry': re.compile(
-    'deg a turn|(centre|ranges|sign|unsteady): % of the path$|NEES,|at some moment|worse than|'
-    'first half minute|damaged line|logs of|an update')}
-"""Which figures of a long table its page shows; `results.json` has all."""
 
 
 def table(program: str, results: dict[str, Any]) -> str:
     """Return a program's figures in Markdown."""
     where = results[program]['where']
-    shown = SHOWN.get(program, re.compile(''))
-    figures = [each for each in figures_of(results, program) if shown.search(each.what)]
+    figures = figures_of(results, program)
     heading, *body = rows(figures)
     missed = any(each.verdict == 'missed' for each in figures)
     return (f'{markdown.table(heading, body)}\n'

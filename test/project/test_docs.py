@@ -162,7 +162,8 @@ def test_the_log_lines_of_the_faults_are_those_of_the_code():
 
 
 def test_every_bench_program_has_results_and_a_place_in_the_documents():
-    pages = {path: path.read_text('utf-8') for path in (ROOT / 'docs').glob('*.md')}
+    pages = {path: path.read_text('utf-8')
+             for path in [*(ROOT / 'docs').glob('*.md'), ROOT / 'bench' / 'RESULTS.md']}
     for path in (ROOT / 'bench').glob('bench_*.py'):
         assert figures_of(load(), path.stem)
         assert any(f'<!-- bench {path.stem} -->' in page for page in pages.values()), path.stem
