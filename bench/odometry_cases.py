@@ -15,6 +15,7 @@ from create_oi_ros.robot import FIRMWARE_SEPARATION
 from create_oi_ros.sim.body.config import IDEAL
 from create_oi_ros.sim.body.mechanics import Accumulator, Rounding
 from odometry_loop import Journey
+from rivals import Counts, Rival
 from robots import Robot
 
 C2_TICK = 0.0004446
@@ -33,6 +34,8 @@ class Stray(NamedTuple):
     end: float
     most: float
     """At any moment."""
+    rival: float
+    """That of a reading a second, at the end."""
 
 
 def damage(random: Random) -> Callable[[bytes], bytes]:
@@ -88,18 +91,23 @@ def metres(counts: Sequence[int]) -> list[float]:
 def follow_log(log: Sequence[Row], rounding: Rounding) -> Stray:
     """Let an odometry follow logged wheels; what the encoders count is the truth."""
     odometry = Odometry(window=1.0)
+    rival = Rival(Robot(IDEAL, rounding, log[1].time - log[0].time), 1.0)
     distance, angle = Accumulator(rounding), Accumulator(rounding)
+    counts = Counts(0.0, 0.0)
     turned = most = off = 0.0
     for before, row in pairwise(log):
         right, left = row.right_way - before.right_way, row.left_way - before.left_way
         turn = (right - left) / FIRMWARE_SEPARATION
         turned += turn
-        distance.add(500 * (right + left))
+        far = 500 * (right + left)
+        distance.add(far)
         angle.add(degrees(turn))
+        counts = Counts(counts.distance + far, counts.angle + degrees(turn))
+        rival.frame(counts, last=row is log[-1])
         due = odometry.reading_due
         estimate = odometry.update(Increment(
-            dt=row.time - before.time, right=row.right, left=row.left, driven=True,
+            dt=row.time - before.time, right=row.right, left=row.left,
             distance=distance.take() if due else None, angle=angle.take() if due else None))
         off = abs(degrees(estimate.yaw - turned))
         most = max(most, off)
-    return Stray(off, most)
+    return Stray(off, most, abs(degrees(rival.yaw - turned)))

@@ -21,8 +21,8 @@ PLAYED = 3
 """Times that a drive is played. Of each update the shortest time counts, for what interrupts this
 program is no cost of the odometry."""
 KNOWN = 60.0
-"""Seconds after which few hypotheses are left."""
-FIRST, LATER = (400.0, 10_000.0), (80.0, 2000.0)
+"""Seconds after which a robot is known."""
+FIRST, LATER = (60.0, 1500.0), (60.0, 1500.0)
 """Targets before and after that, us: mean and slowest."""
 
 

@@ -23,8 +23,6 @@ from create_oi_ros.oi.tools.tables import columns
 RESULTS = Path(__file__).with_name('results.json')
 PART = re.compile('[,:] (95th percentile|at least|at most|mean|slowest|truncate|round|carry)$')
 """Ends of the names of figures that share a row of a table."""
-RIVALS = 'before', 'a reading a second'
-"""Names beside figures that get columns of their own."""
 
 
 class Figure(NamedTuple):
@@ -74,33 +72,30 @@ def machine() -> dict[str, Any]:
 
 def rows(figures: Sequence[Figure]) -> list[list[str]]:
     """Return a table, its heading first; figures of one thing share a row, missed is bold."""
-    rivals = RIVALS if any(figure.beside.startswith(RIVALS) for figure in figures) else ()
     things: dict[str, dict[str, Figure]] = {}
     for figure in figures:
         what = re.sub('(, [a-z]+)(: (?:off|% of the way).*)', r'\2\1', figure.what)
         thing, *part = PART.split(what)
         things.setdefault(thing, {})[part[0] if part else ''] = figure
-    table = [['what', 'value', 'target', *(rivals or ['beside'])]]
+    table = [['what', 'value', 'target', 'beside']]
     for thing, parts in things.items():
         what = thing if {'', 'at least'} & parts.keys() else f'{thing}: {", ".join(parts)}'
-        columns = zip(*(cells(figure, rivals) for figure in parts.values()))
+        columns = zip(*(cells(figure) for figure in parts.values()))
         table.append([what, *(each[0] if len(set(each)) == 1 else ', '.join(filter(None, each))
                               for each in columns)])
     used = [any(row[place] for row in table[1:]) for place in range(len(table[0]))]
     return [[cell for cell, kept in zip(row, used) if kept] for row in table]
 
 
-def cells(figure: Figure, rivals: Sequence[str]) -> list[str]:
-    """Return value, target and rivals of a figure, or what is beside it."""
+def cells(figure: Figure) -> list[str]:
+    """Return value and target of a figure, and what is beside it."""
     unit = f' {figure.unit}' if figure.unit and f': {figure.unit}' not in figure.what else ''
     worst = '' if figure.worst is None else f' (at worst {number(figure.worst)})'
     target = ''
     if figure.target is not None:
         mark = '**' if figure.verdict == 'missed' else ''
         target = f'{mark}{">=" if figure.at_least else "<="} {number(figure.target)}{mark}'
-    found = dict(re.findall(r'(\D+) ([^ ;]+)(?:; |$)', figure.beside))
-    return [number(figure.value) + unit + worst, target,
-            *([found.get(each, '') for each in rivals] if rivals else [figure.beside])]
+    return [number(figure.value) + unit + worst, target, figure.beside]
 
 
 def number(value: float | None) -> str:

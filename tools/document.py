@@ -131,18 +131,13 @@ def framed(rows: Callable[[], list[Row]]) -> str:
 
 BENCH, MEASURED = 'bench', 'measured'
 """Labels of tables with and without the targets."""
-SHOWN = {'bench_odometry': re.compile(
-    'deg a turn|(centre|ranges|sign|unsteady): % of the path$|NEES,|at some moment|worse than|'
-    'first half minute|damaged line|logs of|an update')}
-"""Which figures of a long table its page shows; `results.json` has all."""
 
 
 def figures(label: str) -> str:
     """Return a program's figures in Markdown; with `measured` before it, without targets."""
     results, (kind, program) = load(), label.split()
     where = results[program]['where']
-    shown = SHOWN.get(program, re.compile(''))
-    chosen = [each for each in figures_of(results, program) if shown.search(each.what)]
+    chosen = figures_of(results, program)
     if kind == MEASURED:
         chosen = [each._replace(target=None) for each in chosen]
     heading, *body = rows_of(chosen)

@@ -14,7 +14,7 @@ from itertools import islice
 from math import floor, inf
 
 from .. import oi
-from ..odometry.knowledge import Known, PERIOD
+from ..odometry.estimate import Known, PERIOD
 
 WINDOW = 64
 """Frames over which the earliest arrival counts, and up to `BLOCK` more: about a second."""

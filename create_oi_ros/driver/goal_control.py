@@ -120,8 +120,12 @@ class GoalControl:
             if goal.begun_at is not None:
                 self.finish(self._wrong_mode(), now)
             return
+        estimate = moved.estimate
+        if goal.begun_at is None:  # a goal measures from where it begins
+            self._odometry.start_trip()
+            estimate = self._odometry.estimate
         order = goal.step(self._view(
-            now, moved.dt, moved.estimate, measured=moved.brought.has('distance')))
+            now, moved.dt, estimate, measured=moved.brought.has('distance')))
         if goal.begun_at is None and not isinstance(order, Over):
             goal.begun_at = now
         self._obey(order, now)

@@ -4,8 +4,7 @@
 What must happen with a frame before it is published: check, time stamp, odometry.
 
 What cannot be true is found here: values and jumps. What else follows from a frame is worked out
-afterwards, in `machine`. What the odometry has learned of the robot is told in the same words by
-the log, `/diagnostics` and `create_check`.
+afterwards, in `machine`.
 """
 
 from collections import Counter
@@ -13,27 +12,13 @@ from dataclasses import replace
 from math import inf, isnan, nan
 
 from .. import oi
-from ..odometry import (
-    GyroOdometry,
-    GyroState,
-    Hypothesis,
-    Increment,
-    Knowledge,
-    Known,
-    Odometry,
-    Response,
-    Rounding,
-    SignSource,
-)
-from ..odometry.hypotheses import REFERENCE_SPEED
-from ..odometry.knowledge import delay_of, QUICK, TAUGHT
+from ..odometry import GyroState, Increment, Knowledge, Mover, Odometry
+from ..odometry.estimate import TAUGHT
 from ..oi.readings import ALLOWED
 from ..robot import (
     BATTERY_DEGREES,
     BATTERY_MILLIAMPS,
     BATTERY_MILLIVOLTS,
-    FIRMWARE_SEPARATION,
-    MILLI,
     MM_PER_M,
     MOST_CAPACITY,
     MOST_CHARGE,
@@ -150,11 +135,8 @@ class Tracking:
         self, core: Core, scripts: ScriptControl, odometry: Odometry | None = None,
     ) -> None:
         settings, robot = core.settings, core.settings.robot
-        wheels = odometry or Odometry(
-            settings.geometry, window=settings.odometry_window, robot=robot)
-        self._gyro = None if settings.gyro is None else GyroOdometry(
-            wheels, settings.gyro, None if robot is None else robot.gyro)
-        self.odometry = self._gyro or wheels
+        self.odometry = odometry or Odometry(
+            settings.geometry, window=settings.odometry_window, robot=robot, gyro=settings.gyro)
         self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
         self._core = core
         self._scripts = scripts
@@ -167,6 +149,10 @@ class Tracking:
         """Whether a frame with distance and angle was dropped since the last one taken."""
         self._unseen = 0.0
         """Seconds of the frames that were dropped since then."""
+        self._heard_at: float | None = None
+        """When the newest frame left the robot, if frames were missed since then, s."""
+        self._stamp = nan
+        """When the newest frame left it, s."""
         self._garbage = 0
         """Bytes of garbage that had come before the newest frame."""
 
@@ -179,7 +165,7 @@ class Tracking:
     @property
     def gyro(self) -> GyroState | None:
         """What is thought of the gyro; None: there is none."""
-        return None if self._gyro is None else self._gyro.state
+        return self.odometry.gyro
 
     def report_robot(self, now: float) -> None:
         """Report a robot that has become known, or that is another than was thought."""
@@ -199,14 +185,17 @@ class Tracking:
         """Continue after frames were missed."""
         self.clock.restart()
         self._jumps.restart()
-        self.odometry.interrupted()
+        self._heard_at = self._stamp
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Moved | None:
         """Take a verified frame in; return how the robot moved, None where it is dropped."""
         garbage, self._garbage = self._garbage, self._core.counts.garbage_bytes
         stamp, dt = self.clock.stamp(
             now, frame.packets.budget(baud).seconds, lost=garbage != self._garbage)
-        self._unseen += dt
+        if self._heard_at is not None:
+            self.odometry.interrupted(0.0 if isnan(self._heard_at) else stamp - self._heard_at)
+            self._heard_at = None
+        self._unseen, self._stamp = self._unseen + dt, stamp
         readings = self.odd.corrected(frame.readings)
         if readings is None:
             self._reading_dropped |= 'distance' in frame.packets.names
@@ -229,68 +218,20 @@ class Tracking:
         drops = readings.number('bumps_and_wheel_drops', 0)
         increment = Increment(
             dt=dt, right=right, left=left,
-            driven=readings.oi_mode in oi.DriveDirect.modes and speeds is not None,
+            mover=self._mover(readings, speeds),
             lifted=bool(drops & LIFTED),
             lost=self.clock.gap or self._reading_dropped or has_distance and not measured,
             distance=readings.distance if measured else None,
             angle=readings.angle if measured else None)
-        if self._gyro is not None:
+        if self._core.settings.gyro is not None:
             volts = readings.analog_volts if readings.has('analog_signal') else nan
             increment = increment._replace(
                 analog=None if isnan(volts) else volts, bumped=bool(drops & BUMPS))
         self._reading_dropped = False
         return increment
 
-
-FRACTIONS = {
-    Rounding.TRUNCATE: 'cut off and lost at each reading',
-    Rounding.ROUND: 'rounded, and the rest is lost',
-    Rounding.CARRY: 'kept for the next reading'}
-SIGNS = {
-    SignSource.DRIVE: 'of the drive: the last request that was not zero, after its dead time',
-    SignSource.LAST_REQUEST: 'of the last request that was not zero, at once',
-    SignSource.REQUEST: 'of the request; a wheel told to stop counts forwards',
-    SignSource.MOTION: 'of the motion itself'}
-
-
-def in_words(robot: Knowledge) -> dict[str, str]:
-    """Say what the odometry believes of a robot, and how sure it is."""
-    rounding, sign = robot.likeliest
-    wheels, width = robot.wheels, FIRMWARE_SEPARATION / robot.angle_factor.value / MILLI
-    responds = sum(p for each, p in robot.hypotheses.items() if each.response is wheels.response)
-    late = robot.delay(QUICK)
-    return {
-        'fractions of distance and angle': FRACTIONS[rounding] + _sure(robot.rounding[rounding]),
-        'sign of an encoder': SIGNS[sign] + _sure(robot.encoder_sign[sign]),
-        'response': _response(wheels) + _sure(responds),
-        'late': f'{late.value / MILLI:.0f} +- {late.deviation / MILLI:.0f} ms at {QUICK} m/s',
-        'dead time': f'about {wheels.dead_time / MILLI:.0f} ms',
-        'wheels over request': f'right {_ratio(robot.right_gain)}, left '
-                               f'{_ratio(robot.left_gain)}',
-        'slowest speed that moves it': f'about {wheels.dead_band / MILLI:.0f} mm/s',
-        'wheel separation of the firmware': f'{width:.1f} mm',
-        'frame period': f'{robot.frame_period.value / MILLI:.3f} ms'}
-
-
-def _response(wheels: Hypothesis) -> str:
-    """Say how a wheel follows a step of its request."""
-    match wheels.response:
-        case Response.LAG:
-            slow, fast = (speed / MILLI * (delay_of(wheels, speed) - wheels.dead_time)
-                          for speed in (REFERENCE_SPEED, QUICK))
-            kind = (f'first order, coasts {slow:.0f} mm from {REFERENCE_SPEED} m/s, {fast:.0f} mm '
-                    f'from {QUICK} m/s')
-        case Response.SPRING:
-            kind = f'second order, overshoots by {100 * wheels.overshoot:.0f} %'
-        case _:  # a ramp
-            kind = f'a constant acceleration of {1 / wheels.time:.2f} m/s2'
-    return kind if abs(wheels.braking - 1) < 0.05 else (
-        f'{kind}, brakes {wheels.braking:.1f} times as fast as it speeds up')
-
-
-def _ratio(known: Known) -> str:
-    return f'{known.value:.3f} +- {known.deviation:.3f}'
-
-
-def _sure(probability: float) -> str:
-    return f' ({"over 99.9 %" if probability > 0.999 else f"{probability:.1%}"} sure)'
+    def _mover(self, readings: oi.Readings, speeds: Speeds | None) -> Mover:
+        """Return who moves the robot: in Passive that is a matter of what the driver does."""
+        if speeds is not None and readings.oi_mode in oi.DriveDirect.modes:
+            return Mover.REQUESTS
+        return Mover.ITSELF if self._core.state.robot_moves else Mover.NOBODY

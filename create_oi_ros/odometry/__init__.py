@@ -3,8 +3,16 @@
 """Distance and angle in; pose, twist and covariance out. Pure: no clock, no I/O, SI units."""
 
 from ..robot import Rounding
-from .estimate import Estimate, Geometry, Increment
-from .gyro import GyroOdometry, GyroSettings, GyroState
-from .hypotheses import Hypothesis, Response, SignSource
-from .knowledge import Knowledge, Known, KnownGyro
+from .estimate import (
+    Estimate,
+    Geometry,
+    GyroSettings,
+    Increment,
+    Knowledge,
+    Known,
+    KnownGyro,
+    Mover,
+    SignSource,
+)
+from .gyro import GyroState
 from .odometry import Odometry

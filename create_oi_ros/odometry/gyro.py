@@ -1,78 +1,52 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-A gyro beside the wheels: it measures the turning between readings and where wheels slip.
+A gyro on the analog input: what it feels in a window, and whether it is believed.
 
-A Kalman filter holds the errors of the pose and of the gyro's zero, its drift and its scale. With
-each reading of the robot's counts it compares two turns since the reading before: by the gyro, and
-by the wheels' own odometry, of which nothing changes. Where both agree, each corrects the other;
-so the zero is learned whenever the robot stands. Where they disagree by more than both can
-explain, wheels slip or somebody turns the robot: the gyro is believed, and nothing is learned.
-
-It is believed only after it has followed the wheels in turns, and while its voltage is one that a
-gyro can have. Before, and else, the odometry is that of the wheels.
+The filters know its zero and its scale as they know the wheels (`Filters.take_turn`); this file
+adds its voltage up, frame by frame, and compares its turns with those of the wheels. Where both
+agree, each corrects the other; so the zero is learned whenever the robot stands. Where they
+disagree by more than both can explain, wheels slip or somebody turns the robot: the gyro is
+believed, and nothing is learned. It is believed once it has followed the wheels in turns.
 """
 
-from dataclasses import dataclass, replace
-from math import cos, hypot, isnan, nan, radians, sin
+from dataclasses import dataclass
+from math import isnan, nan, radians
 from typing import NamedTuple
 
-import numpy as np
+from .estimate import GyroSettings, Known, KnownGyro
 
-from .estimate import Estimate, Increment
-from .hypotheses import Array, DEGREE
-from .knowledge import Knowledge, Known, KnownGyro
-from .odometry import blended, moved_covariance, Odometry
-
-X, Y, YAW, ZERO, DRIFT, SCALE = range(6)
-"""The errors in the filter: m, m, rad; V, V/s, and a part of the scale."""
 LOWEST, HIGHEST, STEP = 0.0, 5.0, 5.0 / 1023
-"""Volts of the analog input, and its resolution."""
-ANY_ZERO, ANY_DRIFT, ANY_SCALE = 1.5, 1e-5, 0.03
-"""Standard deviations of a gyro that nobody has checked: V, V/s, a part of the scale."""
+"""Volts of the analog input, and its resolution (manual: packet 33)."""
+MIDDLE, ANY_ZERO, ANY_SCALE = 2.5, 1.5, 0.03
+"""V at rest; deviations of a gyro of which only the data sheet is known: V, part of the scale."""
 STALE_ZERO, STALE_SCALE = 0.005, 5e-4
 """By how much a gyro that was checked may have changed until the next start."""
-ZERO_WALK, DRIFT_WALK = 1e-10, 1e-14
-"""Variances by which zero and drift change in a second, V²/s and V²/s³."""
-REST_TURN, WHEEL_TURN, WHEEL_SHARE, WHEEL_WAY = 0.02 * DEGREE, 0.15 * DEGREE, 0.003, 0.01
-"""What the wheels' own variance does not tell: rad between two readings at rest and in motion;
-parts of the turn and of the way."""
 GATE = 12.0
-"""Squared standard deviations beyond which wheels and gyro disagree."""
-LEAST_TURN, MOST_DOUBT = 10 * DEGREE, 0.1
-"""A turn that tells whether a gyro follows, and the part of it that must be sure."""
+"""Squared deviations beyond which wheels and gyro disagree: one in 2,000 by chance."""
+LEAST_TURN, FOLLOWS = radians(10), 0.12
+"""A turn that tells whether a gyro follows, and the part of it by which it may be off: a carpet
+slips by a tenth."""
 PROOFS, DISPROOFS = 2, 4
-"""Turns in a row in which it must follow to be believed, or that show that it does not."""
-SURE_ZERO = 0.3 * DEGREE
+"""Turns in which a new gyro must follow, or does not; a known one is refuted by the first."""
+SURE_ZERO = radians(0.3)
 """rad/s; with a zero less sure than that it is not used."""
-SLIP_FADES = 0.8
-"""Part of a slip that is still expected after a turn without one."""
-JUMP, JUMPS, MOST_JUMPS = 25 * STEP, 5, 0.2
-"""V by which the voltage may leave its course from frame to frame; frames in a row in which it may
-do so; part of all frames."""
-ASTRAY = 0.9
-"""Part of a turn of the wheels by which a gyro that follows seldom disagrees."""
+SLIP, SLIP_FADES = 0.003, 0.8
+"""Part of a turn that wheels slip on any floor, and of an observed slip that is expected after a
+turn without one (tried)."""
+JUMP, MOST_JUMPS = 25 * STEP, 5
+"""V by which the voltage may leave its course, as a floating input does; how often in a row."""
+ASTRAY, ANY_TURN = 0.9, 10.0
+"""Part of a turn of the wheels by which a gyro that follows seldom disagrees; rad², the variance
+of a turn of which wheels tell nothing."""
+MOVED_ZERO = 10
+"""Readings in a row in which a standing robot turns, after which the zero is learned anew."""
 LONGEST_GAP = 0.1
 """Seconds between two frames, from which on nobody knows how the robot turned."""
-LEAST_NOISE, NOISE_SHARE = (0.4 * STEP) ** 2, 0.1
-"""Least variance of a voltage, V²; part by which a reading at rest changes it."""
-GUESSED = 0.05
-"""Part by which the wheels' turn may be off in frames in which only they tell it."""
-NEAR_RANGE = 0.95
-"""Part of its range from which on it is not believed."""
-MOVED_ZERO = 10
-"""Readings in a row at rest that disagree, after which the zero is learned anew."""
-QUIET = 16.0
-"""Squared standard deviations of a turn that is taken for noise while the wheels stand."""
-
-
-class GyroSettings(NamedTuple):
-    """An analog gyro, by its data sheet; the defaults are those of an ADXRS613."""
-
-    scale: float = radians(80.0)
-    """rad/s for each volt; negative where the voltage grows clockwise."""
-    range: float = radians(150.0)
-    """rad/s at which its output ends."""
+QUIET = radians(0.5)
+"""A turn of a standing robot that is taken for noise until the next reading."""
+NOISE = STEP ** 2 / 4
+"""Least variance of a voltage, V²: half a unit."""
 
 
 class GyroState(NamedTuple):
@@ -87,327 +61,220 @@ class GyroState(NamedTuple):
     """Whether they did at the last reading."""
 
 
+class Verdict(NamedTuple):
+    """What a comparison with the wheels says."""
+
+    corrects: bool
+    """Whether the gyro corrects the pose."""
+    teaches: bool
+    """Whether zero and scale, and where it corrects the wheels, are learned."""
+    slip: float
+    """Variance by which the robot may have turned otherwise than its wheels, rad²."""
+
+
 @dataclass
-class Window:
-    """What happened since the last reading; metres and radians."""
+class Felt:
+    """What was felt since the last reading."""
 
     seconds: float = 0.0
-    turn: float = 0.0
-    x: float = 0.0
-    y: float = 0.0
-    way: float = 0.0
+    volts: float = 0.0
+    """Above `MIDDLE`, times seconds."""
     variance: float = 0.0
-    """Of the turn, by the noise of the gyro."""
+    """Of that, V² s²."""
+    published: float = 0.0
+    """rad that the pose has turned by it."""
     frames: int = 0
     unmeasured: int = 0
     """Frames in which the gyro did not tell the turn."""
-    guessed: float = 0.0
-    """Their turn, by the wheels."""
     jumps: int = 0
     bends: float = 0.0
     """Sum of the squared second differences of the voltage, V²."""
     moved: bool = False
-    """Whether the wheels turned, or were told to."""
+    """Whether wheels turned or should have."""
     loud: bool = False
-    """Whether the gyro told a turn that is no noise though the wheels stand."""
+    """Whether a standing robot turned by more than noise."""
     touched: bool = False
     """Whether a wheel hung down or the bumper was pressed: somebody may turn the robot."""
 
 
-class GyroOdometry:
-    """The odometry of a robot with a gyro: the wheels', with the heading of both."""
+class Gyro:
+    """One gyro: its window, its belief; zero and scale are those of the filters."""
 
-    def __init__(self, wheels: Odometry, settings: GyroSettings,
-                 known: KnownGyro | None = None) -> None:
-        """Begin with a gyro of which nothing is known but its data sheet, or that was checked."""
-        self.wheels = wheels
-        self.estimate = wheels.estimate
+    def __init__(self, settings: GyroSettings, known: KnownGyro | None) -> None:
+        """Begin with a gyro of which only the data sheet is known, or that was checked."""
+        self._settings, self._proven = settings, False
+        self._was_known = known is not None
+        """Whether it is still the file's, and not refuted."""
+        if known is None:
+            self._begin(settings.scale, Known(0.0, ANY_ZERO), ANY_SCALE)
+        else:
+            self._begin(radians(known.scale.value),
+                        Known(known.zero.value - MIDDLE, known.zero.deviation + STALE_ZERO),
+                        known.scale.deviation / abs(known.scale.value) + STALE_SCALE)
+        self._agreed = PROOFS * self._was_known
         self.state = GyroState(False, 'its zero is not known yet: let the robot stand', 0, False)
-        self._range = settings.range
-        self._scale, self._zero, self._drift = settings.scale, 2.5, 0.0
-        doubts = (ANY_ZERO, ANY_DRIFT, ANY_SCALE)
-        if known is not None:
-            self._scale, self._zero, self._drift = (
-                radians(known.scale.value), known.zero.value, known.drift.value)
-            doubts = (hypot(known.zero.deviation, STALE_ZERO), known.drift.deviation + 1e-7,
-                      hypot(known.scale.deviation / known.scale.value, STALE_SCALE))
-        self._p = np.diag([0.0, 0.0, 0.0, *(each ** 2 for each in doubts)])
-        self._agreed = PROOFS if known is not None else 0
-        self._disagreed = self._moved_zero = 0
-        self._noise = STEP ** 2
-        """Variance of a voltage, V²."""
-        self._used = self._merged = False
-        """Whether the heading is the gyro's, too, and whether it ever was."""
-        self._slip = 0.0
-        """Part of a turn by which wheels slip, as far as they did lately."""
-        self._window = Window()
-        self._volts = self._volts_before = nan
-        """Of the last two frames."""
-        self._rate = 0.0
-        self._jumpy = 0
-        self._heading = wheels.heading
-        self._yaw = self._heading[0]
-        """Yaw at the last reading."""
-        self._behind = (0.0, 0.0, 0.0)
-        """Corrections that are not blended in yet."""
+        self.felt = Felt()
+        self.rate = 0.0
+        """rad/s."""
+        self._slip, self._noise = 0.0, STEP ** 2
+        self._slips = self._flat = False
+        self._last, self._before = nan, nan
+        """Volts of the last two frames."""
 
-    # As the wheels' odometry has it.
+    def _begin(self, scale: float, zero: Known, deviation: float) -> None:
+        """Begin with a scale, of which a part is not sure, and a zero."""
+        self.scale, self.zero, self.scale_error = scale, zero, Known(0.0, deviation)
+        """rad/s for each volt; volts above `MIDDLE`; part of the scale by which it is wrong."""
+        self._agreed = self._disagreed = self._loud = 0
+        self.anew = True
+        """Whether the filters must begin anew with zero and scale."""
 
     @property
-    def reading_due(self) -> bool:
-        """Whether the robot should be asked for distance and angle in its next frame."""
-        return self.wheels.reading_due
+    def known(self) -> KnownGyro | None:
+        """What was learned; None before it was seen to follow."""
+        if not self._proven:
+            return None
+        scale = self.scale * (1 + self.scale_error.value) / radians(1)
+        return KnownGyro(Known(self.zero.value + MIDDLE, self.zero.deviation),
+                         Known(scale, abs(scale) * self.scale_error.deviation))
 
     @property
-    def knowledge(self) -> Knowledge | None:
-        """What was learned of the robot; None before anything was."""
-        known = self.wheels.knowledge
-        if known is None or not self._agreed:
-            return known
-        zero, drift, scale = (float(self._p[each, each]) ** 0.5 for each in (ZERO, DRIFT, SCALE))
-        of_scale = self._scale / DEGREE
-        return replace(known, gyro=KnownGyro(
-            Known(self._zero, zero), Known(self._drift, drift),
-            Known(of_scale, scale * abs(of_scale))))
+    def variance(self) -> float:
+        """Of the rate, rad²/s²."""
+        return (self.scale ** 2 * (self._noise + self.zero.deviation ** 2)
+                + (self.rate * self.scale_error.deviation) ** 2)
 
-    def reset(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
-        """Go on from a pose, m and rad; what was learned of robot and gyro stays."""
-        self.wheels.reset(x, y, yaw)
-        self._heading = self.wheels.heading
-        self._yaw += yaw - self.estimate.yaw
-        self.estimate = self.estimate._replace(x=x, y=y, yaw=yaw)
-        self._behind = (0.0, 0.0, 0.0)
-        self._p[:ZERO, :] = self._p[:, :ZERO] = 0.0
+    def turn(self, dt: float, volts: float | None, rolled: float, *, moved: bool,
+             touched: bool) -> tuple[float, bool]:
+        """
+        Take a frame in; return by how much it turns the pose, rad, and whether the gyro said so.
 
-    def recounted(self) -> None:
-        """Learn nothing from the next reading: the robot has set its accumulators to zero."""
-        self.wheels.recounted()
-
-    def interrupted(self) -> None:
-        """Go on from here after frames were missed."""
-        self.wheels.interrupted()
-        self._window.unmeasured += self._window.frames + 1
-
-    def hurry(self) -> None:
-        """Ask for the next reading soon."""
-        self.wheels.hurry()
-
-    # Frames.
-
-    def update(self, increment: Increment) -> Estimate:
-        """Take one frame in."""
-        before = self.wheels.estimate
-        e = self.wheels.update(increment)
-        w, dt = self._window, increment.dt
-        w.seconds += dt
+        The wheels turned it by `rolled`; `moved`: or should have.
+        """
+        w = self.felt
         w.frames += 1
-        w.touched |= increment.lifted or increment.bumped
-        w.moved |= bool(e.linear or e.angular or increment.right or increment.left)
-        rolled, turn = e.yaw - before.yaw, self._turn(increment.analog, dt)
+        w.moved |= moved  # from then on all that it feels is a turn
+        w.touched |= touched
+        turn = self._turn(dt, volts)
+        w.seconds += dt
         if turn is None:
             w.unmeasured += 1
-            w.guessed += abs(rolled)
-        w.turn += rolled if turn is None else turn
-        step = self._published_turn(rolled, turn)
-        self._move(e, before, step, dt)
-        if increment.distance is not None and increment.angle is not None:
-            self._read()
-        self._publish(e, turn is not None)
-        return self.estimate
+            w.volts += rolled / self.scale + self.zero.value * dt
+            w.variance += (0.05 * rolled / self.scale) ** 2
+            return rolled, False
+        if not self.state.believed:
+            return rolled, True
+        if not (w.moved or w.touched or w.loud):  # noise does not turn a robot that stands
+            whole = self._by_now()
+            turn = 0.0 if abs(whole - w.published) < QUIET else whole - w.published
+            w.loud |= turn != 0
+        w.published += turn
+        return turn, True
 
-    def _turn(self, volts: float | None, dt: float) -> float | None:
-        """Return the turn in a frame by the gyro, rad; None: it does not tell."""
+    def _by_now(self) -> float:
+        """Return the turn since the last reading, rad."""
+        w = self.felt
+        return self.scale * (1 + self.scale_error.value) * (w.volts - self.zero.value * w.seconds)
+
+    def _turn(self, dt: float, volts: float | None) -> float | None:
+        """Return the turn in a frame, rad; None: the gyro does not tell."""
         if volts is None:
             return None
-        if isnan(self._volts):
-            self._volts = self._volts_before = volts
-        w = self._window
-        bend = volts - 2 * self._volts + self._volts_before
-        self._volts_before, self._volts = self._volts, volts
+        if isnan(self._last):
+            self._last = self._before = volts
+        w, mean = self.felt, (self._last + volts) / 2 - MIDDLE
+        bend = volts - 2 * self._last + self._before
+        self._before, self._last = self._last, volts
         w.bends += bend * bend
         jumps = abs(bend) > JUMP
-        w.jumps += jumps
-        self._jumpy = min(self._jumpy + 1, 2 * JUMPS) if jumps else max(self._jumpy - 1, 0)
-        rate = (volts - self._zero) * self._scale
-        before, self._rate = self._rate, rate
-        w.variance += (self._scale * dt) ** 2 * (self._noise + (bend * bend / 12 if jumps else 0))
+        w.jumps = w.jumps + 1 if jumps else max(0, w.jumps - 1)
+        scale = self.scale * (1 + self.scale_error.value)
+        self.rate = scale * (volts - MIDDLE - self.zero.value)
         at_end = not LOWEST < volts < HIGHEST - STEP / 2 or (
-            self._used and abs(rate) > NEAR_RANGE * self._range)
-        if at_end or self._jumpy > JUMPS or dt > LONGEST_GAP:
+            self.state.believed and abs(self.rate) > 0.95 * self._settings.range)
+        if at_end or w.jumps > MOST_JUMPS or dt > LONGEST_GAP:
             return None
-        return (before + rate) / 2 * dt
-
-    def _published_turn(self, rolled: float, turn: float | None) -> float:
-        """Return by how much the published heading turns in a frame."""
-        if not self._used or turn is None:
-            return rolled
-        w = self._window
-        if w.moved or w.touched or w.loud:
-            return turn
-        noise = w.variance + (self._scale * w.seconds) ** 2 * float(self._p[ZERO, ZERO])
-        if w.turn ** 2 < QUIET * noise:
-            return 0.0
-        w.loud = True
-        x, y, _ = self._behind
-        self._behind = x, y, self._yaw + w.turn - self.estimate.yaw - turn
-        return turn
-
-    def _move(self, e: Estimate, before: Estimate, turn: float, dt: float) -> None:
-        """Move the published pose as the wheels did, but on the heading of both."""
-        was, w = self.estimate, self._window
-        dx, dy, old = e.x - before.x, e.y - before.y, (e.yaw + before.yaw) / 2
-        bent = was.yaw + turn / 2 - old
-        c, s = cos(bent), sin(bent)
-        dx, dy = c * dx - s * dy, s * dx + c * dy
-        w.x, w.y = w.x + dx, w.y + dy
-        w.way += hypot(dx, dy)
-        share, twist = blended(self._behind, dt)
-        x, y, yaw = self._behind
-        self._behind = x * (1 - share), y * (1 - share), yaw - twist
-        self.estimate = was._replace(x=was.x + dx + x * share, y=was.y + dy + y * share,
-                                     yaw=was.yaw + turn + twist)
-
-    def _publish(self, e: Estimate, measured: bool) -> None:
-        """Add the speeds and the variances to the published pose."""
-        variance = self._scale ** 2 * (self._noise + float(self._p[ZERO, ZERO])) + (
-            self._rate ** 2 * float(self._p[SCALE, SCALE]))
-        gyro = (self._rate, variance) if self._used and measured else None
-        if not self._merged:
-            self.estimate = e._replace(gyro=gyro)
-            return
-        turning, of_turning = e.angular, e.twist_covariance[1]
-        if gyro is not None:
-            if (self._rate - turning) ** 2 < GATE * (variance + of_turning):
-                share = of_turning / (variance + of_turning)
-                turning += share * (self._rate - turning)
-                of_turning *= 1 - share
-            else:
-                turning, of_turning = self._rate, variance
-        self.estimate = e._replace(
-            x=self.estimate.x, y=self.estimate.y, yaw=self.estimate.yaw, angular=turning,
-            twist_covariance=(e.twist_covariance[0], of_turning),
-            pose_covariance=self._covariance(), gyro=gyro)
-
-    def _covariance(self) -> tuple[float, ...]:
-        """Return the covariance of the published pose."""
-        w = self._window
-        turn = w.variance + (max(self._slip, GUESSED) * w.guessed) ** 2
-        return moved_covariance(
-            self._p[:ZERO, :ZERO], (w.x, w.y), self._behind, (WHEEL_WAY * w.way) ** 2, turn)
+        w.volts += mean * dt
+        w.variance += dt * dt * (self._noise + bend * bend / 12 * jumps)
+        return scale * (mean - self.zero.value) * dt
 
     # Readings.
 
-    def _read(self) -> None:
-        """Compare both turns since the last reading; learn from them where that is possible."""
-        w, self._window = self._window, Window()
-        before, self._heading = self._heading, self.wheels.heading
-        turned = self._heading[0] - before[0]
-        doubt = abs(self._heading[1] - before[1]) + (WHEEL_SHARE * turned) ** 2 + (
-            WHEEL_TURN if w.moved else REST_TURN) ** 2
-        w.moved |= abs(turned) > WHEEL_TURN
-        after, crossed = self._predicted(w)
-        slips, measured = False, w.unmeasured <= w.frames / 2
-        by_gyro = self._used and measured
-        self._yaw += w.turn if by_gyro else turned
-        if measured and not w.touched:
-            slips = self._compare(w, turned, doubt, after, crossed)
-        if not by_gyro:
-            doubt += (self._slip * turned) ** 2
-            after[YAW, :] = after[:, YAW] = 0.0
-            after[YAW, YAW] = self._p[YAW, YAW] + doubt
-        self._p = after
-        self._judge(w, turned, slips)
-        e = self.wheels.estimate
-        x, y, _ = self._behind
-        waits = 0.0 if self._used else self._heading[0] - e.yaw
-        self._behind = x, y, self._yaw - self.estimate.yaw - waits
+    def judge(self, wheels: float, gyro: float, variance: float) -> Verdict:
+        """
+        Compare the turns of wheels and gyro since the last reading, rad.
 
-    def _predicted(self, w: Window) -> tuple[Array, Array]:
-        """Return the covariance after a window, and that of then with now."""
-        f = np.eye(6)
-        f[YAW, ZERO:] = -self._scale * w.seconds, -self._scale * w.seconds ** 2 / 2, w.turn
-        f[ZERO, DRIFT] = w.seconds
-        for axis, lever in ((X, -w.y), (Y, w.x)):
-            f[axis, YAW], f[axis, ZERO:] = lever, f[YAW, ZERO:] * lever / 2
-        crossed: Array = f @ self._p
-        after: Array = crossed @ f.T
-        far = (WHEEL_WAY * w.way) ** 2
-        guessed = (max(self._slip, GUESSED) * w.guessed) ** 2
-        after[range(6), range(6)] += (
-            far, far, w.variance + guessed, ZERO_WALK * w.seconds, DRIFT_WALK * w.seconds, 0.0)
-        self._zero += self._drift * w.seconds
-        return after, crossed
-
-    def _compare(self, w: Window, turned: float, doubt: float, after: Array, crossed: Array,
-                 ) -> bool:
-        """Let wheels and gyro correct each other; return whether they disagree."""
-        known = after[:, YAW] - crossed[:, YAW]
-        own = float(known[YAW] - crossed[YAW, YAW] + self._p[YAW, YAW])
-        surprise, turn = turned - w.turn, max(abs(turned), abs(w.turn))
-        slips = surprise ** 2 > GATE * (own + doubt)
-        if turn > LEAST_TURN and own + doubt < (MOST_DOUBT * turn) ** 2:
-            self._count(w, turned, slips)
-        self._moved_zero = self._moved_zero + 1 if slips and not w.moved else 0
-        if self._moved_zero >= MOVED_ZERO:
-            after[ZERO, :] = after[:, ZERO] = 0.0
-            after[ZERO, ZERO] = ANY_ZERO ** 2
-        if slips:
-            self._slip = max(self._slip, min(1.0, abs(surprise) / max(turn, LEAST_TURN)))
-            astray = (surprise * self.wheels.geometry.wheel_separation / 2) ** 2
-            after[X, X] += astray
-            after[Y, Y] += astray
-            return True
-        gain = known / (own + doubt + (self._slip * turn) ** 2)
-        after -= np.outer(gain, known)
-        if turn > LEAST_TURN:
+        `variance` is that of their difference, as far as the filters know it.
+        """
+        w, off, most = self.felt, gyro - wheels, max(abs(wheels), abs(gyro))
+        variance += (SLIP * most) ** 2
+        self._slips = off * off > GATE * variance and not (w.touched or w.loud)
+        stands = not (w.moved or w.touched)
+        self._loud = self._loud + 1 if stands and (w.loud or self._slips) else 0
+        if self._loud >= MOVED_ZERO:
+            self._begin(self.scale, Known(self.zero.value, ANY_ZERO), self.scale_error.deviation)
+            self._agreed = PROOFS
+        if w.unmeasured > w.frames / 2:
+            return Verdict(False, False, 0.0)
+        if w.touched or w.loud:
+            return Verdict(self.state.believed, False, ANY_TURN)
+        if self.tells_scale(most):
+            self._count(wheels, gyro, variance)
+        if self._slips:
+            self._slip = max(self._slip, min(1.0, abs(off) / max(most, LEAST_TURN)))
+            return Verdict(self.state.believed and self._agreed >= PROOFS, False, off * off)
+        if most > LEAST_TURN:
             self._slip *= SLIP_FADES
-        corrections = (gain * surprise).tolist()
-        self._zero += corrections[ZERO]
-        self._drift += corrections[DRIFT]
-        self._scale *= 1 + corrections[SCALE]
-        if self._used:
-            x, y, yaw = self._behind
-            self._behind = x + corrections[X], y + corrections[Y], yaw
-            self._yaw += corrections[YAW]
         if not w.moved:
-            noise = w.bends / 6 / w.frames
-            self._noise += NOISE_SHARE * (max(noise, LEAST_NOISE) - self._noise)
-        return False
+            self._noise += 0.1 * (max(w.bends / 6 / w.frames, NOISE) - self._noise)
+        return Verdict(self.state.believed, True, (max(self._slip, SLIP) * most) ** 2)
 
-    def _count(self, w: Window, turned: float, slips: bool) -> None:
+    def tells_scale(self, turn: float) -> bool:
+        """Return whether a turn, rad, tells the scale: it is long, and the zero is known."""
+        return abs(turn) > LEAST_TURN and abs(self.scale) * self.zero.deviation < SURE_ZERO
+
+    def _count(self, wheels: float, gyro: float, variance: float) -> None:
         """Count turns in which the gyro follows the wheels, and in which not; find its sign."""
-        if not slips:
+        off, most = abs(gyro - wheels), max(abs(wheels), abs(gyro))
+        near = off < FOLLOWS * most + 3 * variance ** 0.5
+        if near and not (self._slips and self._agreed < PROOFS):
             self._agreed, self._disagreed = min(self._agreed + 1, PROOFS), 0
-        elif self._agreed < PROOFS or abs(turned - w.turn) > ASTRAY * abs(turned):
+            self._proven |= self._agreed >= PROOFS
+            self._was_known = False
+        elif self._was_known:  # another part than the file's
+            self._was_known = False
+            self._begin(self._settings.scale, Known(self.zero.value, ANY_ZERO), ANY_SCALE)
+        elif self._agreed < PROOFS or off > ASTRAY * abs(wheels):
             self._disagreed += 1
             if self._disagreed >= DISPROOFS:
-                self._agreed = 0
-                if turned * w.turn < -turned ** 2 / 2:
-                    self._scale, self._disagreed = -self._scale, 0
+                turned_round = wheels * gyro < -wheels * wheels / 2
+                disagreed = 0 if turned_round else self._disagreed
+                if turned_round:
+                    self._begin(-self.scale, Known(self.zero.value, ANY_ZERO), ANY_SCALE)
+                self._agreed, self._disagreed = 0, disagreed
 
-    def _judge(self, w: Window, turned: float, slips: bool) -> None:
-        """Decide whether the gyro is believed until the next reading."""
-        problem = self._problem(w, turned)
-        self._used = problem is None
-        slips &= self._used
-        self.state = GyroState(self._used, problem, self.state.slips + slips, slips)
-        if self._used and not self._merged:
-            self._merged = True
-            self._p[:ZERO, :] = self._p[:, :ZERO] = 0.0
-            self._p[:ZERO, :ZERO] = np.reshape(self.wheels.estimate.pose_covariance, (3, 3))
+    def learned(self, zero: Known, scale_error: Known, wheels: float) -> None:
+        """Take over what the filters believe at a reading; decide whether it is believed."""
+        if not self.anew:
+            self.zero, self.scale_error = zero, scale_error
+        w, self.felt = self.felt, Felt()
+        problem = self._problem(w, wheels)
+        slips = self._slips and problem is None
+        self.state = GyroState(problem is None, problem, self.state.slips + slips, slips)
 
-    def _problem(self, w: Window, turned: float) -> str | None:
+    def _problem(self, w: Felt, wheels: float) -> str | None:
         """Say why the gyro is not believed; None: it is."""
-        if w.jumps > max(JUMPS, MOST_JUMPS * w.frames):
+        if w.jumps > MOST_JUMPS:
             return 'the voltage jumps: is a gyro connected to the analog input?'
         if w.unmeasured > w.frames / 2:
-            return (f'{self._volts:.2f} V are beyond its range, or frames come without packet 33')
-        if not w.bends and abs(turned) > LEAST_TURN:
+            return (f'{self._last:.2f} V are beyond its range, or frames come without packet 33')
+        self._flat = not w.bends and (self._flat or abs(wheels) > LEAST_TURN)
+        if self._flat:
             self._agreed = 0
-            return f'the voltage stays at {self._volts:.2f} V though the robot turns: is it there?'
+            return f'the voltage stays at {self._last:.2f} V though the robot turns: is it there?'
         if self._disagreed >= DISPROOFS:
             return 'it does not follow the turns of the wheels: are gyro_scale and wiring right?'
-        if abs(self._scale) * float(self._p[ZERO, ZERO]) ** 0.5 > SURE_ZERO:
+        if abs(self.scale) * self.zero.deviation > SURE_ZERO:
             return 'its zero is not known yet: let the robot stand'
         if self._agreed < PROOFS:
             return 'it has not been seen to follow the wheels yet: turn the robot'

@@ -3,99 +3,67 @@
 """
 Pose, twist and covariance from every frame and a reading now and then.
 
-The bank of filters predicts the motion of each frame and corrects it by readings. This file
-decides which readings the bank may learn from, and publishes a pose that moves as the wheels do:
-corrections are blended in at a limited rate.
+Between readings the pose moves as the wheels are believed to, or as a gyro feels it. A reading
+corrects the filters; the published pose follows them at a limited rate. A trip, which a goal
+starts, is corrected by nothing that was before it.
 """
 
 from math import cos, exp, hypot, sin
 
 import numpy as np
 
-from .bank import Bank, Motion
-from .estimate import Estimate, Geometry, Increment
-from .hypotheses import Array, DEGREE, MM
-from .knowledge import Knowledge
+from ..robot import FIRMWARE_SEPARATION, MM_PER_M, SLOT
+from .estimate import Estimate, Geometry, GyroSettings, Increment, Knowledge, Mover
+from .filters import DEGREE, Filters, Window
+from .gyro import Gyro, GyroState
 from .reading_plan import ReadingPlan
+from .wheels import Speeds
 
 BLEND_TIME = 0.1
 """Seconds in which a correction is blended in."""
 MAX_CORRECTION, MAX_TURN_CORRECTION = 0.067, 8 * DEGREE
-"""The fastest that corrections are blended in, m/s and rad/s."""
-FREE_CORRECTION, FREE_TURN_CORRECTION, FREE_TIME = 0.3, 3.0, 2.0
-"""The same for so many seconds after wheels did not follow their requests: the robot moved so."""
+"""The fastest that corrections are blended in, m/s and rad/s: a millimetre a frame."""
+FREE_FACTOR, FREE_TIME = 6.0, 4.0
+"""How much faster for so many seconds after wheels did not follow: the robot moved so."""
 GROWTH_EVERY = 5
-"""Frames from one prediction of the covariance to the next."""
+"""Frames from one prediction of the covariance to the next: 75 ms."""
+LOST = 2.5 * SLOT
+"""Seconds between two frames from which on some were lost."""
 FLOOR = 1e-8
 """Least variance of a pose, m² and rad²."""
+GAP_SPEED, GAP_RATE, GAP_MOST = 0.3, 1.0, 3.0
+"""m/s and rad/s that a robot may have driven unseen, and rad at most: half a turn is any."""
+UNSEEN, UNSEEN_UNIT = 0.3, (0.002, 1.0 * DEGREE)
+"""Part of an unseen way by which its end may be elsewhere; m and rad of a reading's unit."""
 AS_BUILT = Geometry()
-
-
-def blended(behind: tuple[float, float, float], dt: float, most: float = MAX_CORRECTION,
-            most_turn: float = MAX_TURN_CORRECTION) -> tuple[float, float]:
-    """Return the part of the place and the turn, rad, that are corrected in a frame."""
-    x, y, yaw = behind
-    off, part = hypot(x, y), 1 - exp(-dt / BLEND_TIME)
-    share = min(part, most * dt / off) if off else 0.0
-    return share, yaw * min(part, most_turn * dt / abs(yaw)) if yaw else 0.0
-
-
-def moved_covariance(covariance: Array, way: tuple[float, float],
-                     behind: tuple[float, float, float], far: float, turn: float,
-                     ) -> tuple[float, ...]:
-    """
-    Return the covariance of a pose after a way whose variances are `far`, m², and `turn`, rad².
-
-    The published pose is so far behind it.
-    """
-    (xx, xy, xa), (_, yy, ya), (_, _, aa) = covariance.tolist()
-    (dx, dy), (x, y, yaw) = way, behind
-    xx += dy * dy * aa - 2 * dy * xa + x * x + far + FLOOR
-    xy += dx * xa - dy * ya - dx * dy * aa + x * y
-    yy += dx * dx * aa + 2 * dx * ya + y * y + far + FLOOR
-    xa, ya = xa - dy * aa + x * yaw, ya + dx * aa + y * yaw
-    aa += turn + yaw * yaw + FLOOR
-    return xx, xy, xa, xy, yy, ya, xa, ya, aa
 
 
 class Odometry:
     """Turns increments into an estimate that never jumps."""
 
     def __init__(self, geometry: Geometry = AS_BUILT, *, window: float,
-                 robot: Knowledge | None = None) -> None:
+                 robot: Knowledge | None = None, gyro: GyroSettings | None = None) -> None:
         """Ask for distance and angle every few `window` seconds; the robot is known or not."""
         self.geometry = geometry
         self.estimate = Estimate()
-        self.bank = Bank(geometry, robot)
+        self.filters = Filters(geometry, robot)
+        self._known_gyro = None if robot is None else robot.gyro
+        self._gyro = None if gyro is None else Gyro(gyro, self._known_gyro)
+        self._begin_gyro()
         self._plan = ReadingPlan(window)
+        self._window = Window()
+        self._request: Speeds = (0.0, 0.0)
         self._discard = True
         """Whether the next reading holds what came before."""
         self._lost = self._doubted = False
-        """Whether the next reading may not be whole, or is to be taken as it is."""
-        self._placed: tuple[float, ...] | None = None
-        """Motion since the last reading when the pose was set; None: it was not."""
-        self._contradicted = False
-        """Whether the last reading said that wheels did not follow their requests."""
-        self._free: tuple[float, float] | None = None
-        """m/s and rad/s of wheels that do not follow their requests; None: they do."""
-        self._seconds = self._far = 0.0
-        self._moved = np.zeros(3)
-        """Mean motion since the last reading: x, y, yaw in the frame of its start; its length and
-        duration."""
-        self._hurry = 0.0
-        """Seconds for which corrections may be as fast as the robot."""
+        """Whether the next reading may not be whole; whether nothing was requested of its way."""
+        self._gap = self._hurry = 0.0
+        """Seconds of its window that nobody saw, and for which corrections may be fast."""
         self._behind = (0.0, 0.0, 0.0)
         """What of the corrections is not blended in yet."""
-        self._base = np.zeros((3, 3))
-        """Covariance of the pose at the last reading."""
-        self._grown, self._twist_variance = (0.0, 0.0), self.estimate.twist_covariance
         self._frame = 0
-        self._start = (0.0, 0.0, 0.0)
-        """Mean pose at the last reading."""
-        self._twist = (0.0, 0.0)
-        """m/s and rad/s of the last frame, by the bank."""
-        self._rolled = False
-        """Whether the wheels changed their speeds in the last frame."""
+        self._ungrown = self._unsure = (0.0, 0.0)
+        self._grow()
 
     @property
     def reading_due(self) -> bool:
@@ -103,151 +71,217 @@ class Odometry:
         return self._plan.due
 
     @property
-    def heading(self) -> tuple[float, float]:
-        """The yaw of the last reading, rad, and its variance."""
-        return self._start[2], float(self._base[2, 2])
+    def gyro(self) -> GyroState | None:
+        """What is thought of the gyro; None: there is none."""
+        return None if self._gyro is None else self._gyro.state
 
     @property
     def knowledge(self) -> Knowledge | None:
         """What was learned of the robot; None before anything was."""
-        return self.bank.knowledge if self.bank.readings else None
+        if not self.filters.readings:
+            return None
+        return self.filters.knowledge(self._gyro and self._gyro.known or self._known_gyro)
 
     def reset(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
         """Go on from a pose, m and rad; what was learned of the robot stays."""
+        self._split()
+        self.filters.place(x, y, yaw)
+        self._behind, self._gap = (0.0, 0.0, 0.0), 0.0
         e = self.estimate
         self.estimate = Estimate(
-            x=x, y=y, yaw=yaw, right_wheel=e.right_wheel, left_wheel=e.left_wheel)
-        dx, dy, turn = self._moved.tolist()  # the window goes on
-        heading = yaw - turn
-        c, s = cos(heading), sin(heading)
-        self._start = x - c * dx + s * dy, y - s * dx - c * dy, heading
-        self.bank.reset(self._start)
-        self._placed = dx, dy, turn
-        self._behind = (0.0, 0.0, 0.0)
-        self._base[:] = 0.0
+            x=x, y=y, yaw=yaw, right_wheel=e.right_wheel, left_wheel=e.left_wheel, trip=e.trip,
+            trip_variance=e.trip_variance)
+        self._grow()
+
+    def start_trip(self) -> None:
+        """Let `Estimate.trip` go on from here without corrections of what was before."""
+        self._split()
+        self.filters.start_trip()
+        self._grow()
+        self.estimate = self.estimate._replace(trip=self.filters.trip, trip_variance=(0.0, 0.0))
 
     def recounted(self) -> None:
         """Learn nothing from the next reading: the robot has set its accumulators to zero."""
         self._discard = True
 
-    def interrupted(self) -> None:
-        """Go on from here after frames were missed: the next reading is taken as it is."""
-        self._doubted = True
+    def interrupted(self, seconds: float) -> None:
+        """Go on from here after so many seconds were missed: the next reading tells of them."""
+        self._gap += max(seconds, SLOT)
+        if self._gyro is not None:
+            self._gyro.felt.unmeasured += self._gyro.felt.frames + 1
 
     def hurry(self) -> None:
         """Ask for the next reading soon."""
         self._plan.hurry()
 
+    # Frames.
+
     def update(self, increment: Increment) -> Estimate:
         """Take one frame in."""
-        dt = increment.dt
-        request = (increment.right, increment.left) if increment.driven else (0.0, 0.0)
-        far, turn = self._predicted(dt, request, increment.lifted)
-        self._advance(far, turn)
-        self._seconds += dt
+        dt, w, wheels = increment.dt, self._window, self.filters.wheels
+        request = (increment.right, increment.left) if increment.mover is Mover.REQUESTS else (
+            0.0, 0.0)
+        far, turn = self._roll(dt, request, lifted=increment.lifted)
+        if increment.lifted:
+            far = turn = 0.0
         self._lost |= increment.lost or increment.lifted
+        self._doubted |= increment.mover is Mover.ITSELF
+        measured = False
+        if self._gyro is not None:
+            turn, measured = self._gyro.turn(
+                dt, increment.analog, turn, moved=wheels.moving or any(request),
+                touched=increment.lifted or increment.bumped)
+        w.advance(far, turn)
         if increment.distance is not None and increment.angle is not None:
-            self._read(increment.distance, increment.angle, increment.driven)
-        self._plan.step(dt, request, self.bank,
-                        free=self._contradicted or not increment.driven)
-        return self._publish(dt, far, turn)
+            self._read(increment.distance, increment.angle)
+        self._frame += 1
+        if self._frame % GROWTH_EVERY == 0:
+            self._grow()
+        elif any(request):
+            way, angle = self._ungrown
+            self._ungrown = (way + abs(request[0] + request[1]) / 4 * dt,
+                             angle + abs(request[0] - request[1]) / 2 / FIRMWARE_SEPARATION * dt)
+        self._plan.step(dt, request, self.filters, self._unsure)
+        return self._publish(dt, far, turn, measured=measured)
 
-    def _predicted(self, dt: float, request: tuple[float, float], lifted: bool,
-                   ) -> tuple[float, float]:
-        """Return the mean distance and turn of a frame."""
-        travel = self.bank.roll(dt, request, lifted=lifted)
-        if travel is not None:
-            far, turn = self.bank.motion(travel)
-            self._twist = far / dt, turn / dt
-        elif self._rolled:
-            self._twist = self.bank.motion(self.bank.wheels.speed[:, 0])
-        self._rolled = travel is not None
-        if lifted:
-            return 0.0, 0.0
-        speed, rate = self._twist if self._free is None else self._free
-        return speed * dt, rate * dt
+    def _roll(self, dt: float, request: Speeds, *, lifted: bool) -> tuple[float, float]:
+        """Return how far the robot went, m, and turned, rad, in a frame by its wheels."""
+        w, wheels = self._window, self.filters.wheels
+        far = turn = 0.0
+        # Where frames were lost, the wheels ran as requested before until the last slot.
+        missed = dt - SLOT if dt > LOST else 0.0
+        for seconds, asked in ((missed, self._request), (dt - missed, request)):
+            if not seconds:
+                continue
+            if asked != self._request:
+                w.change(asked, self._request)
+                self._request = asked
+            ways = wheels.roll(seconds, asked, lifted=lifted)
+            w.step(seconds, rolling=wheels.moving)
+            more, bent = self.filters.motion(ways, seconds, w.kept)
+            far, turn = far + more, turn + bent
+        return far, turn
 
-    def _advance(self, far: float, turn: float) -> None:
-        """Let the motion since the last reading go on along an arc."""
-        if far or turn:
-            middle = self._moved[2] + turn / 2
-            self._moved += (far * cos(middle), far * sin(middle), turn)
-            self._far += far
-
-    def _read(self, distance: int, angle: int, driven: bool) -> None:
-        """Let the bank learn from a reading, where that is possible."""
-        bank, reported = self.bank, np.array([angle, distance], float)
-        x, y, yaw = self._pose()
-        moved_x, moved_y, turned = self._moved.tolist()
-        motion = Motion(moved_x, moved_y, turned, self._far, self._seconds)
-        followed = True
-        if self._discard:
-            bank.skip(motion)
+    def _read(self, distance: int, angle: int) -> None:
+        """Let the filters learn from a reading, where that is possible."""
+        f, before = self.filters, self._pose()
+        if self._gap and not self._discard:
+            self._jump(distance, angle)
         else:
-            followed = bank.read(reported, motion, driven=driven, trusted=not self._doubted,
-                                 lost=self._lost)
-        again = self._contradicted
-        self._contradicted = not (followed or self._doubted or self._lost)
-        self._free = None
-        if again and self._contradicted:
+            f.advance(self._window, doubted=self._doubted)
+            f.take(None if self._discard else (angle, distance), self._window.seconds,
+                   lost=self._lost)
+        if self._gap or self._doubted or not f.followed:
             self._hurry = FREE_TIME
-            self._free = (distance * MM * self.geometry.linear_scale / self._seconds,
-                          angle * DEGREE * self.geometry.angular_scale / self._seconds)
         self._discard = self._lost = self._doubted = False
-        self._moved[:] = 0.0
-        self._seconds = self._far = 0.0
-        bx, by, byaw = bank.pose
-        if self._placed == (moved_x, moved_y, turned):  # the reading is all of before
-            bank.shift(x - bx, y - by, yaw - byaw)
-            bx, by, byaw = bank.pose
-        self._placed = None
-        a, b, c = self._behind
-        self._behind = a + bx - x, b + by - y, c + byaw - yaw
-        self._start = bank.pose
-        self._base = bank.covariance
-        self._grown, self._frame = (0.0, 0.0), 0
+        self._gap = 0.0
+        self._begin_window()
+        bx, by, byaw = self._behind
+        x, y, yaw = self._pose()
+        self._behind = bx + x - before[0], by + y - before[1], byaw + yaw - before[2]
+        self._grow()
         self._plan.came()
-        self._twist = bank.motion(bank.wheels.speed[:, 0])
+
+    def _jump(self, distance: int, angle: int) -> None:
+        """Go where a reading says that a robot went while nobody saw it: along an arc."""
+        g, f, gap = self.geometry, self.filters, self._gap
+        f.advance(self._window)
+        held_angle, held_distance = f.held
+        far = (distance - held_distance) / MM_PER_M * g.linear_scale
+        turn = (angle - held_angle) * DEGREE * g.angular_scale
+        place, heading = (UNSEEN * far) ** 2 + UNSEEN_UNIT[0] ** 2, UNSEEN_UNIT[1] ** 2
+        if abs(distance) < abs(held_distance) - 1 or abs(angle) < abs(held_angle) - 1:
+            # A reading was lost: nobody knows.
+            far = turn = 0.0
+            place, heading = (GAP_SPEED * gap) ** 2, min(GAP_RATE * gap, GAP_MOST) ** 2
+        chord = far * (sin(turn / 2) / (turn / 2) if turn else 1.0)
+        middle = f.yaw + self._window.turn + turn / 2
+        f.shift(np.array([chord * cos(middle), chord * sin(middle), turn, far, turn]),
+                np.array([place, place, heading, place, heading]))
+        f.take(None, self._window.seconds)
+
+    def _split(self) -> None:
+        """End the window here, without a reading."""
+        self.filters.advance(self._window)
+        self._begin_window()
+
+    def _begin_window(self) -> None:
+        """Begin a window where the filters are."""
+        f = self.filters
+        if self._gyro is not None:
+            f.take_turn(self._gyro, self._window)
+        f.begin()
+        if self._gyro is not None:
+            if self._gyro.anew:  # it was no gyro that turned the pose
+                self._hurry = FREE_TIME
+            self._gyro.learned(*f.gyro, self._window.turn)
+            self._begin_gyro()
+        self._window = Window(near=self._window.near)
+
+    def _begin_gyro(self) -> None:
+        """Let the filters begin with a gyro of which they know nothing yet."""
+        if self._gyro is not None and self._gyro.anew:
+            self.filters.begin_gyro(self._gyro.zero, self._gyro.scale_error)
+            self._gyro.anew = False
 
     def _pose(self) -> tuple[float, float, float]:
-        """Return the mean pose of the bank, predicted since the last reading."""
-        x, y, yaw = self._start
-        dx, dy, turn = self._moved.tolist()
+        """Return the mean pose of the filters, moved since the last reading."""
+        (x, y, yaw), w = self.filters.pose, self._window
         c, s = cos(yaw), sin(yaw)
-        return x + c * dx - s * dy, y + s * dx + c * dy, yaw + turn
+        return x + c * w.x - s * w.y, y + s * w.x + c * w.y, yaw + w.turn
 
-    def _publish(self, dt: float, far: float, turn: float) -> Estimate:
-        """Return the estimate a frame further: moved as the wheels, and some way corrected."""
-        before, g = self.estimate, self.geometry
+    # What is published.
+
+    def _grow(self) -> None:
+        """Work out the covariances now."""
+        gyro = self._gyro
+        by_gyro = None if gyro is None or not gyro.state.believed else (
+            gyro.scale ** 2 * gyro.felt.variance
+            + (gyro.scale * gyro.zero.deviation * gyro.felt.seconds) ** 2
+            + (gyro.scale_error.deviation * self._window.turn) ** 2)
+        self._ungrown = 0.0, 0.0
+        self._moved, self._twist, self._unsure = self.filters.grown(self._window, by_gyro)
+
+    def _publish(self, dt: float, far: float, turn: float, *, measured: bool) -> Estimate:
+        """Return the estimate a frame further: moved, and some way corrected."""
+        before, g, gyro = self.estimate, self.geometry, self._gyro
         self._hurry = max(0.0, self._hurry - dt)
-        limits = (MAX_CORRECTION, MAX_TURN_CORRECTION) if self._hurry <= 0 else (
-            FREE_CORRECTION, FREE_TURN_CORRECTION)
-        share, twist = blended(self._behind, dt, *limits)
+        part, quick = 1 - exp(-dt / BLEND_TIME), FREE_FACTOR if self._hurry else 1.0
         x, y, yaw = self._behind
-        self._behind = x, y, yaw = x * (1 - share), y * (1 - share), yaw - twist
+        off = hypot(x, y)
+        share = min(part, quick * MAX_CORRECTION * dt / off) if off else 0.0
+        twist = min(part, quick * MAX_TURN_CORRECTION * dt / abs(yaw)) if yaw else 0.0
+        self._behind = x, y, yaw = x * (1 - share), y * (1 - share), yaw * (1 - twist)
         ex, ey, eyaw = self._pose()
         ex, ey, eyaw = ex - x, ey - y, eyaw - yaw
-        middle = (eyaw + before.yaw) / 2
+        middle, half = (eyaw + before.yaw) / 2, (eyaw - before.yaw) * g.wheel_separation / 2
         forward = (ex - before.x) * cos(middle) + (ey - before.y) * sin(middle)
-        half = (eyaw - before.yaw) * g.wheel_separation / 2
         speed, rate = far / dt, turn / dt * g.wheel_separation / 2
-        if self._frame % GROWTH_EVERY == 0:
-            self._grown, self._twist_variance = self.bank.growth()
-        self._frame += 1
+        linear, angular = self._twist
+        felt = None
+        if gyro is not None and gyro.state.believed and measured:
+            felt = gyro.rate, gyro.variance
+            angular = min(angular, gyro.variance)
+        (way, turned), w = self.filters.trip, self._window
         self.estimate = Estimate(
             x=ex, y=ey, yaw=eyaw, linear=speed, angular=turn / dt,
             pose_covariance=self._covariance(),
-            twist_covariance=self._twist_variance,
+            twist_covariance=(linear, angular),
             right_wheel=before.right_wheel + (forward + half) / g.wheel_radius,
             right_wheel_speed=(speed + rate) / g.wheel_radius,
             left_wheel=before.left_wheel + (forward - half) / g.wheel_radius,
-            left_wheel_speed=(speed - rate) / g.wheel_radius)
+            left_wheel_speed=(speed - rate) / g.wheel_radius,
+            gyro=felt, trip=(way + w.way, turned + w.turn),
+            trip_variance=(self._moved[3][3], self._moved[4][4]))
         return self.estimate
 
     def _covariance(self) -> tuple[float, ...]:
-        """Return the covariance of the estimate."""
-        dx, dy = self._moved[:2].tolist()
-        c, s = cos(self._start[2]), sin(self._start[2])
-        far, turn = self._grown
-        return moved_covariance(
-            self._base, (dx * c - dy * s, dx * s + dy * c), self._behind, far, turn)
+        """Return the covariance of the published pose."""
+        (xx, xy, xa, *_), (_, yy, ya, *_), (_, _, aa, *_), *_ = self._moved
+        x, y, yaw = self._behind
+        far, turn = self._ungrown
+        place = (GAP_SPEED * self._gap) ** 2 + far * far + FLOOR
+        heading = min(GAP_RATE * self._gap, GAP_MOST) ** 2 + turn * turn + FLOOR
+        xx, yy, aa = xx + x * x + place, yy + y * y + place, aa + yaw * yaw + heading
+        xy, xa, ya = xy + x * y, xa + x * yaw, ya + y * yaw
+        return xx, xy, xa, xy, yy, ya, xa, ya, aa

@@ -17,7 +17,7 @@ from sensor_msgs.msg import BatteryState
 from .. import __version__, oi
 from ..driver import BatteryLevel, Charging, Health, LinkCounts
 from ..driver.goals.goal import bumps
-from ..driver.tracking import in_words
+from ..odometry import Knowledge, Known
 from . import messages
 from .parameters import Parameters
 
@@ -191,8 +191,19 @@ def odometry(health: Health) -> DiagnosticStatus:
     elif gyro is not None and gyro.slips_now:
         level, message = WARN, 'wheels and gyro disagree: wheels slip, or somebody turns the robot'
     return status('odometry', level, message, {
-        **({} if robot is None else {**in_words(robot), 'readings': robot.readings}),
+        **({} if robot is None else numbers_of(robot)),
         **({} if gyro is None else {'gyro': gyro.problem or 'used', 'slips': gyro.slips})})
+
+
+def numbers_of(robot: Knowledge) -> dict[str, object]:
+    """Return what is known of a robot, by the names of the file of `odometry_model`."""
+    rounding, sign = robot.likeliest
+    known = {name: value for name, value in vars(robot).items() if isinstance(value, Known)}
+    return {
+        'rounding': f'{rounding.value} ({robot.rounding[rounding]:.1%} sure)',
+        'encoder_sign': f'{sign.value} ({robot.encoder_sign[sign]:.1%} sure)',
+        **{name: f'{value:.4g} +- {deviation:.2g}' for name, (value, deviation) in known.items()},
+        'readings': robot.readings}
 
 
 def parameters(values: Parameters) -> DiagnosticStatus:

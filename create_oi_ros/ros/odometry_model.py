@@ -4,17 +4,17 @@
 The file of what the odometry knows of a robot: parameter `odometry_model`.
 
 The node reads it at start, and writes it on request and at the end. It is YAML that people can
-read: hypotheses of the wheels with their probabilities, and numbers with their standard
-deviations. docs/calibration.md describes it.
+read and write: probabilities, and numbers with their standard deviations. One table says what it
+has; docs/calibration.md describes it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from math import isfinite
 import os
 from pathlib import Path
 import shutil
-from typing import Any, TypeVar
+from typing import Any
 
 from rclpy.node import Node
 import yaml
@@ -22,33 +22,27 @@ import yaml
 from ..driver import Outcome
 from ..driver.frame_clock import MAX_PERIOD, MIN_PERIOD
 from ..link.session import Session
-from ..odometry import Hypothesis, Knowledge, Known, KnownGyro, Response, Rounding, SignSource
-from ..odometry.knowledge import TAUGHT
+from ..odometry import Knowledge, Known, KnownGyro, Rounding, SignSource
+from ..odometry.estimate import TAUGHT
 
-FORMAT, OLD_FORMATS = 2, (1,)
+FORMAT, OLD_FORMATS = 3, (1, 2)
 HEAD = """\
 # What is known of a robot's wheels and counts, for the parameter odometry_model of create_node.
 # Each number has its standard deviation; metres, seconds, m/s.
 """
-DIGITS = 7
-"""Significant digits in the file."""
-NUMBERS = ('right_gain', 'left_gain', 'angle_factor', 'frame_period')
-"""Numbers with a standard deviation."""
-WHEELS = ('time', 'of_speed', 'overshoot', 'braking', 'dead_time', 'dead_band')
-"""Numbers of a hypothesis."""
-RANGES = {
-    'right_gain': (0.3, 2.0), 'left_gain': (0.3, 2.0), 'angle_factor': (0.8, 1.2),
-    'frame_period': (MIN_PERIOD, MAX_PERIOD), 'deviation': (0.0, 10.0),
-    'zero': (0.0, 5.0), 'drift': (-0.1, 0.1), 'scale': (-1000.0, 1000.0),
-    'time': (1e-3, 10.0), 'of_speed': (0.0, 1.0), 'overshoot': (0.0, 0.9),
-    'braking': (0.05, 20.0), 'dead_time': (0.0, 0.4), 'dead_band': (0.0, 0.1),
-    'probability': (0.0, 1.0)}
-"""Of all numbers; of a gyro they are in V, V/s, degrees a second for each volt."""
-MOST_HYPOTHESES = 64
+CHANCES: dict[str, type[Rounding] | type[SignSource]] = {
+    'rounding': Rounding, 'encoder_sign': SignSource}
+NUMBERS = {
+    'right_gain': (0.1, 3.0), 'left_gain': (0.1, 3.0), 'angle_factor': (0.7, 1.3),
+    'lag': (1e-3, 2.0), 'lag_power': (0.0, 1.0), 'acceleration': (0.05, 100.0),
+    'braking': (0.1, 10.0), 'dead_time': (0.0, 0.4), 'frame_period': (MIN_PERIOD, MAX_PERIOD)}
+GYRO = {'zero': (0.0, 5.0), 'scale': (-1000.0, 1000.0)}
+"""All that a file has, beside `readings`: names of `Knowledge`, and ranges. A gyro's are V, and
+degrees a second for each volt."""
+LEAST_SCALE, MOST_DEVIATION, MOST_READINGS, SUM_SLACK = 1.0, 100.0, 10 ** 9, 1e-3
 NO_FILE = ('parameter odometry_model is empty: start the node with '
            '-p odometry_model:=FILE to have a file')
 NOTHING = 'nothing was learned yet: drive and turn the robot first'
-Thing = TypeVar('Thing')
 
 
 class OldModel(Exception):
@@ -84,18 +78,14 @@ def write(path: Path, knowledge: Knowledge, verdict: Mapping[str, object] | None
 
 
 def text_of(knowledge: Knowledge, verdict: Mapping[str, object] | None = None) -> str:
-    content: dict[str, object] = {
+    content = {
         'format': FORMAT, **({} if verdict is None else {'verdict': dict(verdict)}),
-        'rounding': {kind.value: _short(p) for kind, p in knowledge.rounding.items()},
-        **{name: _pair(getattr(knowledge, name)) for name in NUMBERS},
+        **{name: {each.value: chance for each, chance in getattr(knowledge, name).items()}
+           for name in CHANCES},
+        **{name: getattr(knowledge, name)._asdict() for name in NUMBERS},
         **({} if knowledge.gyro is None else {
-            'gyro': {name: _pair(number) for name, number in knowledge.gyro._asdict().items()}}),
-        'readings': knowledge.readings,
-        'wheels': [{
-            'probability': _short(p), 'response': row.response.name.lower(),
-            'encoder_sign': row.sign.value,
-            **{name: _short(getattr(row, name)) for name in WHEELS}}
-            for row, p in knowledge.hypotheses.items()]}
+            'gyro': {name: getattr(knowledge.gyro, name)._asdict() for name in GYRO}}),
+        'readings': knowledge.readings}
     text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=95)
     return text
 
@@ -112,75 +102,60 @@ def parsed(text: str) -> Knowledge:
         raise OldModel(f"format {content['format']} is of an older odometry")
     if content['format'] != FORMAT:
         raise ValueError(f"format {content['format']!r} is not known; it must be {FORMAT}")
-    rows = content.get('wheels')
-    if not isinstance(rows, list) or not 1 <= len(rows) <= MOST_HYPOTHESES:
-        raise ValueError(f'wheels must be a list of 1 to {MOST_HYPOTHESES} hypotheses')
-    for row in rows:
-        _mapping(row, 'wheels: each hypothesis')
-    rounding = _mapping(content.get('rounding'), 'rounding')
-    for unknown in rounding.keys() - {kind.value for kind in Rounding}:
-        raise ValueError(f'rounding: {unknown!r} is unknown; allowed: '
-                         f'{", ".join(kind.value for kind in Rounding)}')
     gyro = None
     if 'gyro' in content:
-        numbers = _mapping(content['gyro'], 'gyro')
-        gyro = KnownGyro(*(_known(numbers, name) for name in KnownGyro._fields))
-    hypotheses = {
-        Hypothesis(
-            response=_choice(row, 'response', {each.name.lower(): each for each in Response}),
-            sign=_choice(row, 'encoder_sign', {each.value: each for each in SignSource}),
-            **{name: _number(row, name) for name in WHEELS}): _number(row, 'probability')
-        for row in rows}
-    known: dict[str, Any] = {name: _known(content, name) for name in NUMBERS}
+        gyro = KnownGyro(**_numbers(_mapping(content, 'gyro', GYRO), GYRO, 'gyro: '))
+        if abs(gyro.scale.value) < LEAST_SCALE:
+            raise ValueError(f'gyro: scale: value is {gyro.scale.value}; allowed: {LEAST_SCALE:g} '
+                             'or more, or as much below zero')
+    chances: dict[str, Any] = {name: _chances(content, name) for name in CHANCES}
     return Knowledge(
-        gyro=gyro, **known, hypotheses=_normalised(hypotheses, 'wheels'),
-        rounding=_normalised(
-            {kind: _number({kind.value: 0.0, **rounding}, kind.value, 'probability')
-             for kind in Rounding}, 'rounding'))
+        **chances, **_numbers(content, NUMBERS), gyro=gyro,
+        readings=int(_number(content, 'readings', (0, MOST_READINGS))))
 
 
-def _mapping(value: Any, name: str) -> dict[str, Any]:
+def _chances(content: Mapping[str, Any], name: str) -> dict[Any, float]:
+    """Return the probability of each choice."""
+    choices = {each.value: each for each in CHANCES[name]}
+    given = _mapping(content, name, choices)
+    found = {each: _number({value: 0.0, **given}, value, (0.0, 1.0), f'{name}: ')
+             for value, each in choices.items()}
+    if abs(sum(found.values()) - 1) > SUM_SLACK:
+        raise ValueError(f'{name}: the probabilities add up to {sum(found.values()):g}, not to 1')
+    return found
+
+
+def _numbers(content: Mapping[str, Any], ranges: Mapping[str, tuple[float, float]],
+             where: str = '') -> dict[str, Any]:
+    """Return numbers with their deviations."""
+    found = {}
+    for name, allowed in ranges.items():
+        pair = _mapping(content, name, Known._fields, where)
+        found[name] = Known(*(_number(pair, each, limits, f'{where}{name}: ') for each, limits in (
+            ('value', allowed), ('deviation', (0.0, MOST_DEVIATION)))))
+    return found
+
+
+def _mapping(content: Mapping[str, Any], name: str, allowed: Iterable[str], where: str = '',
+             ) -> dict[str, Any]:
+    value = content.get(name)
     if not isinstance(value, dict):
-        raise ValueError(f'{name} is missing' if value is None else f'{name} must be a mapping')
+        raise ValueError(f'{where}{name} is missing' if value is None else
+                         f'{where}{name} must be a mapping')
+    for unknown in value.keys() - set(allowed):
+        raise ValueError(f'{where}{name}: {unknown!r} is unknown; allowed: {", ".join(allowed)}')
     return value
 
 
-def _choice(row: dict[str, Any], name: str, allowed: Mapping[str, Thing]) -> Thing:
-    if row.get(name) not in list(allowed):
-        raise ValueError(f'{name} is {row.get(name)!r}; allowed: {", ".join(allowed)}')
-    return allowed[row[name]]
-
-
-def _pair(number: Known) -> dict[str, float]:
-    return {'value': _short(number.value), 'deviation': _short(number.deviation)}
-
-
-def _short(value: float) -> float:
-    return float(f'{value:.{DIGITS}g}')
-
-
-def _known(content: Mapping[str, Any], name: str) -> Known:
-    pair = _mapping(content.get(name), name)
-    try:
-        return Known(_number(pair, 'value', name), _number(pair, 'deviation'))
-    except ValueError as error:
-        raise ValueError(f'{name}: {error}') from error
-
-
-def _number(content: Mapping[str, Any], name: str, range_of: str = '') -> float:
-    """Return a number within its range; ValueError: it is not one."""
-    value, (low, high) = content.get(name), RANGES[range_of or name]
+def _number(content: Mapping[str, Any], name: str, limits: tuple[float, float],
+            where: str = '') -> float:
+    """Return a number within its limits; ValueError: it is not one."""
+    value, (low, high) = content.get(name), limits
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        raise ValueError(f'{name} is {value!r}: a number is wanted')
+        raise ValueError(f'{where}{name} is {value!r}: a number is wanted')
     if not low <= value <= high:
-        raise ValueError(f'{name} is {value}; allowed: {low:g} to {high:g}')
+        raise ValueError(f'{where}{name} is {value}; allowed: {low:g} to {high:g}')
     return float(value)
-
-
-def _normalised(weights: Mapping[Thing, float], name: str) -> dict[Thing, float]:
-    if sum(weights.values()) <= 0:
-        raise ValueError(f'{name}: no probability is above 0')
-    return {kind: weight / sum(weights.values()) for kind, weight in weights.items()}
 
 
 class ModelKeeper:

@@ -89,7 +89,7 @@ def test_the_wheels_of_the_likeliest_robot_are_found(found):
     assert known.right_gain.value == pytest.approx(1.0, abs=0.01)
     assert known.left_gain.value == pytest.approx(1.0, abs=0.01)
     assert known.angle_factor.value == pytest.approx(0.258 / 0.262, abs=0.01)
-    assert known.delay(0.2).value == pytest.approx(0.025 + 0.075, abs=0.01)  # coasts 15 mm
+    assert known.delay(0.2).value == pytest.approx(0.025 + 0.075, abs=0.03)  # coasts 15 mm
     assert known.certain
 
 
@@ -116,12 +116,12 @@ def test_the_verdict_is_words_and_a_model(found):
     text = '\n'.join(lines(findings))
     assert 'cut off and lost at each reading' in text
     assert 'of the drive' in text
-    assert 'first order' in text
+    assert 'of coasting' in text
     assert 'with the header' in text
     assert [each.answer for each in of_wheels(known, None)
             if each.name == 'checksum'] == ['not known']
     again = parsed(text_of(known, as_mapping(findings)))
-    assert again.right_gain.value == pytest.approx(known.right_gain.value)
+    assert again == known
 
 
 @pytest.mark.parametrize(('happen', 'why'), [

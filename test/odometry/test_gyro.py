@@ -10,14 +10,7 @@ from random import Random
 import pytest
 
 from create_oi_ros.driver import Settings
-from create_oi_ros.odometry import (
-    GyroOdometry,
-    GyroSettings,
-    Increment,
-    Known,
-    KnownGyro,
-    Odometry,
-)
+from create_oi_ros.odometry import GyroSettings, Increment, Knowledge, Mover, Odometry
 from create_oi_ros.odometry.gyro import STEP
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import DEFAULT_BODY
@@ -36,10 +29,10 @@ class Ride:
     """A robot with a gyro, and odometries with and without it that read it as asked."""
 
     def __init__(self, volts: Callable[[float], float | None] = as_it_is, *,
-                 known: KnownGyro | None = None, **config) -> None:
+                 known: Knowledge | None = None, **config) -> None:
         self.body = Body(World(), config=replace(DEFAULT_BODY, gyro=True, **config), seed=SEED)
-        self.gyro = GyroOdometry(Odometry(window=1.0), GyroSettings(), known)
-        self.wheels = Odometry(window=1.0)
+        self.gyro = Odometry(window=1.0, gyro=GyroSettings(), robot=known)
+        self.wheels = Odometry(window=1.0, robot=known)
         self.volts = volts
         self.steps: list[float] = []
 
@@ -52,7 +45,7 @@ class Ride:
             due, before = self.gyro.reading_due, self.gyro.estimate.yaw
             self.body.step(SLOT)
             increment = Increment(
-                SLOT, right, left, driven=not lifted, lifted=lifted,
+                SLOT, right, left, Mover.NOBODY if lifted else Mover.REQUESTS, lifted=lifted,
                 distance=self.body.take_distance() if due else None,
                 angle=self.body.take_angle() if due else None,
                 analog=self.volts(self.body.sense().analog * STEP))
@@ -77,13 +70,13 @@ class Ride:
 
 def test_a_turn_in_which_wheels_slip_is_that_of_the_gyro():
     ride = Ride().prove()
-    assert ride.gyro.state.believed
+    assert ride.gyro.gyro.believed
     before = ride.off
     ride.body.slip(right=0.5, left=0.0, seconds=2.0)
     ride.go(4.0, 0.2).go(3.0)
     with_gyro, without = (now - was for now, was in zip(ride.off, before))
     assert abs(with_gyro) < 1.0 < 20.0 < abs(without)
-    assert ride.gyro.state.slips
+    assert ride.gyro.gyro.slips
 
 
 def test_a_robot_that_is_lifted_and_turned_knows_its_heading():
@@ -120,10 +113,10 @@ def test_a_robot_that_is_turned_slowly_by_its_bumper_knows_its_heading():
 
 def test_a_gyro_that_was_checked_is_believed_once_the_robot_has_stood():
     first = Ride().prove()
-    known = first.gyro.knowledge.gyro
-    assert known.scale.value == pytest.approx(80, rel=0.06)
+    known = first.gyro.knowledge
+    assert known.gyro.scale.value == pytest.approx(80, rel=0.06)
     again = Ride(known=known, right_slip=0.1, left_slip=0.1).go(10)
-    assert again.gyro.state.believed
+    assert again.gyro.gyro.believed
     before = again.off
     for _ in range(4):
         again.go(pi / 2 / 1.2, 0.0, 1.2).go(1.0)
@@ -153,14 +146,14 @@ FLOATING = Random(1)
 def test_a_gyro_that_cannot_be_right_changes_nothing(volts, why):
     ride = Ride(volts).prove()
     ride.go(2.0, 0.0, 1.2)
-    assert why in ride.gyro.state.problem
+    assert why in ride.gyro.gyro.problem
     assert ride.gyro.estimate == ride.wheels.estimate
     assert ride.gyro.knowledge.gyro is None
 
 
 def test_a_gyro_that_is_upside_down_is_noticed():
     ride = Ride(lambda volts: 5 - volts).prove().prove()
-    assert ride.gyro.state.believed
+    assert ride.gyro.gyro.believed
     assert ride.gyro.knowledge.gyro.scale.value < 0
 
 
@@ -170,7 +163,7 @@ def test_a_gyro_that_falls_off_is_not_believed_any_more():
     before = ride.off[0]
     ride.volts = lambda volts: broken.randrange(1024) * STEP
     ride.go(2.0, 0.0, 1.2).go(4.0, 0.1).go(3.0)
-    assert 'jumps' in ride.gyro.state.problem
+    assert 'jumps' in ride.gyro.gyro.problem
     assert abs(ride.off[0] - before) < 3
 
 
@@ -187,7 +180,7 @@ def test_a_zero_that_has_moved_is_learned_anew():
     ride.go(30)
     before = ride.gyro.estimate.yaw
     ride.go(20)
-    assert ride.gyro.state.believed
+    assert ride.gyro.gyro.believed
     assert abs(ride.gyro.estimate.yaw - before) < radians(1)
 
 
@@ -200,8 +193,19 @@ def test_another_pose_is_where_it_goes_on():
     assert ride.gyro.estimate.yaw - 0.5 == pytest.approx(ride.body.truth().turned - was, abs=0.03)
 
 
-def test_a_known_number_is_kept():
-    known = KnownGyro(Known(2.4, 0.001), Known(0.0, 1e-6), Known(-82.0, 0.1))
-    ride = Ride(known=known).go(1)
-    ride.go(3, 0.1)
-    assert ride.gyro.knowledge.gyro.scale.value == pytest.approx(-82.0, rel=0.01)
+@pytest.mark.parametrize('part', [0.56, 1.5, 0.75])
+def test_another_gyro_than_the_known_one_must_prove_itself(part):
+    known = Ride().prove().gyro.knowledge
+    ride = Ride(lambda volts: 2.5 + part * (volts - 2.5), known=known).go(10)
+    for _ in range(6):
+        ride.go(pi / 2 / 1.2, 0.0, 1.2).go(2.5)
+        assert abs(ride.off[0]) < 5.0
+    assert ride.gyro.gyro.problem is not None
+
+
+def test_a_run_without_the_gyro_keeps_what_is_known_of_it():
+    known = replace(Ride().prove().gyro.knowledge, readings=321)
+    odometry = Odometry(window=1.0, robot=known)
+    odometry.update(Increment(SLOT, 0.1, 0.1))
+    assert odometry.knowledge.gyro == known.gyro
+    assert odometry.knowledge.readings == 321

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 import yaml
 
 from create_oi_ros.odometry import Geometry, Known, KnownGyro
-from create_oi_ros.odometry.bank import Bank
+from create_oi_ros.odometry.filters import Filters
 from create_oi_ros.ros.odometry_model import (
     parsed,
     read,
@@ -26,26 +26,17 @@ from support.ros import Scene
 
 def anything() -> str:
     """Return the file of a robot of which nothing is known."""
-    return text_of(Bank(Geometry()).knowledge)
-
-
-WHEELS = yaml.safe_load(anything())['wheels'][0]
+    return text_of(Filters(Geometry(), None).knowledge(None))
 
 
 def test_a_file_says_what_was_written(tmp_path):
     before = parsed(anything())
     write(tmp_path / 'model.yaml', before, {'banner': 'none'})
     after = read(tmp_path / 'model.yaml')
-    assert after is not None
-    assert after.rounding == pytest.approx(before.rounding)
-    assert list(after.hypotheses.values()) == pytest.approx(list(before.hypotheses.values()))
-    assert list(after.hypotheses) == list(before.hypotheses)
-    for name in ('right_gain', 'left_gain', 'angle_factor', 'frame_period'):
-        assert getattr(after, name) == pytest.approx(getattr(before, name))
-    gyro = KnownGyro(Known(2.5, 0.001), Known(1e-6, 1e-7), Known(-79.5, 0.1))
-    known = parsed(text_of(replace(parsed(anything()), gyro=gyro)))
-    assert known.gyro == gyro
-    assert before.gyro is None
+    assert after == before
+    gyro = KnownGyro(Known(2.5, 0.001), Known(-79.123456789, 0.1))
+    known = replace(before, gyro=gyro, readings=123, lag=Known(1 / 3, 1 / 7))
+    assert parsed(text_of(known)) == known
 
 
 def test_a_folder_that_does_not_exist_is_named(tmp_path):
@@ -54,21 +45,21 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path):
 
 
 @pytest.mark.parametrize(('change', 'said'), [
-    ({'format': 3}, 'format 3 is not known'),
-    ({'right_gain': {'value': 7.0, 'deviation': 0.1}}, 'right_gain: value is 7.0; allowed: 0.3'),
+    ({'format': 4}, 'format 4 is not known'),
+    ({'right_gain': {'value': 7.0, 'deviation': 0.1}}, 'right_gain: value is 7.0; allowed: 0.1'),
     ({'right_gain': {'value': 'fast', 'deviation': 0.1}}, "'fast': a number is wanted"),
     ({'right_gain': {'value': 1.0, 'deviation': -1.0}}, 'right_gain: deviation is -1.0'),
+    ({'right_gain': {'value': 1.0}}, 'right_gain: deviation is None'),
     ({'right_gain': 1.0}, 'right_gain must be a mapping'),
     ({'rounding': {'up': 1.0}}, "'up' is unknown; allowed: truncate, round, carry"),
-    ({'rounding': {'carry': 0.0}}, 'no probability is above 0'),
+    ({'rounding': {'carry': 0.5}}, 'rounding: the probabilities add up to 0.5, not to 1'),
+    ({'encoder_sign': {'drive': 2.0}}, 'encoder_sign: drive is 2.0; allowed: 0 to 1'),
     ({'frame_period': {'value': 0.02, 'deviation': 1e-5}}, 'frame_period: value is 0.02'),
-    ({'wheels': []}, 'wheels must be a list'), ({'wheels': [1]}, 'must be a mapping'),
-    *(({'wheels': [WHEELS | change]}, said) for change, said in (
-        ({'response': 'jump'}, "response is 'jump'; allowed: lag, spring, ramp"),
-        ({'encoder_sign': 1}, 'encoder_sign is 1; allowed: motion'),
-        ({'time': 0.0}, 'time is 0.0; allowed: 0.001'),
-        ({'dead_time': None}, 'a number is wanted'),
-        ({'probability': 0.0}, 'wheels: no probability'))),
+    ({'dead_time': None}, 'dead_time is missing'), ({'readings': -1}, 'readings is -1'),
+    ({'gyro': {'zero': {'value': 2.5, 'deviation': 0.1}}}, 'gyro: scale is missing'),
+    *(({'gyro': {'zero': {'value': 2.5, 'deviation': 0.1},
+                 'scale': {'value': scale, 'deviation': 0.1}}}, f'scale: value is {scale}')
+      for scale in (0.0, -0.0, 0.5, -2000.0)),
 ])
 def test_a_value_that_cannot_be_is_named(change, said):
     with pytest.raises(ValueError, match=said):
@@ -77,7 +68,7 @@ def test_a_value_that_cannot_be_is_named(change, said):
 
 @pytest.mark.parametrize(('content', 'said'), [
     (b'', 'no model of a robot.*; delete the file'), (b'[1, 2', 'no YAML.*; delete the file'),
-    (b'format: 2', 'wheels must be.*; delete the file'),
+    (b'format: 3', 'rounding is missing.*; delete the file'),
     (b'just words', 'no model of a robot.*; delete the file'), (b'\xff\xfe\x00', 'is no text')])
 def test_what_is_no_model_is_named(tmp_path, content, said):
     file = tmp_path / 'model.yaml'
@@ -129,11 +120,11 @@ def test_without_the_parameter_nothing_is_written(ready):
 
 def test_a_file_of_an_older_odometry_is_kept_aside_and_the_robot_learned_anew(stage, tmp_path):
     file = tmp_path / 'model.yaml'
-    file.write_text('format: 1\n')
+    file.write_text('format: 2\n')
     node = stage.node(tmp_path / 'port', odometry_model=file)
     stage.ros.until(lambda: f'{file} does not exist: the odometry learns' in node.output)
-    assert f'format 1 is of an older odometry: it is kept as {file}.old' in node.output
-    assert (tmp_path / 'model.yaml.old').read_text() == 'format: 1\n'
+    assert f'format 2 is of an older odometry: it is kept as {file}.old' in node.output
+    assert (tmp_path / 'model.yaml.old').read_text() == 'format: 2\n'
     assert not file.exists()
 
 

@@ -8,7 +8,7 @@ from math import cos, remainder, sin, tau
 
 from ...driver import Driver, MotionLimits
 from ...driver.goals.goal import bumps
-from ...odometry import Estimate, Increment, Odometry
+from ...odometry import Estimate, GyroSettings, Increment, Odometry
 from ...robot import MM_PER_M, SLOT
 from .moves import Move, Reads, REST, Segment
 
@@ -29,7 +29,7 @@ class Notebook(Odometry):
     """Takes the place of the driver's odometry: learns as ever, but asks for readings as told."""
 
     def __init__(self) -> None:
-        super().__init__(window=1.0)
+        super().__init__(window=1.0, gyro=GyroSettings())
         self.reading: Increment | None = None
         """The newest frame that had a reading."""
         self.seconds = 0.0

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 from ... import oi
 from ...driver import Health
-from ...driver.tracking import in_words
-from ...odometry import Knowledge, Response, Rounding, SignSource
-from ...robot import MILLI, SLOT
+from ...odometry import Knowledge, Known, Rounding, SignSource
+from ...robot import FIRMWARE_SEPARATION, MILLI, SLOT
 
 LEAST_BANNER = 20
 """Characters in a row that are a banner, and not chance."""
@@ -26,15 +25,18 @@ class Finding(NamedTuple):
 
 
 FRACTIONS = {
-    Rounding.TRUNCATE: 'two reports of Create robots',
-    Rounding.ROUND: 'no report of a Create; Create 2, maybe',
-    Rounding.CARRY: 'one report of a Create, and what Create 2 seems to do'}
-SIGNS = {SignSource.DRIVE: 'logs of Create 2 robots', SignSource.LAST_REQUEST: 'a guess',
-         SignSource.REQUEST: 'a guess',
-         SignSource.MOTION: 'what encoders with two channels would do'}
-RESPONSES = {Response.LAG: 'one Create: about 15 mm from any speed',
-             Response.RAMP: 'nothing measured',
-             Response.SPRING: 'Create 2 robots, which overshoot by up to 40 %'}
+    Rounding.TRUNCATE: ('cut off and lost at each reading', 'two reports of Create robots'),
+    Rounding.ROUND: ('rounded, and the rest is lost', 'no report of a Create; Create 2, maybe'),
+    Rounding.CARRY: ('kept for the next reading',
+                     'one report of a Create, and what Create 2 seems to do')}
+SIGNS = {
+    SignSource.DRIVE: ('of the drive: the last request that was not zero, after its dead time',
+                       'logs of Create 2 robots'),
+    SignSource.LAST_REQUEST: ('of the last request that was not zero, at once', 'a guess'),
+    SignSource.REQUEST: ('of the request; a wheel told to stop counts forwards', 'a guess'),
+    SignSource.MOTION: ('of the motion itself', 'what encoders with two channels would do')}
+QUICK = 0.2
+"""m/s at which it is said how late the wheels are."""
 CHECKSUMS = {oi.Checksum.MANUAL: ('without the header', 'the manual'),
              oi.Checksum.HARDWARE: ('with the header', 'reports of real robots')}
 
@@ -42,23 +44,36 @@ CHECKSUMS = {oi.Checksum.MANUAL: ('without the header', 'the manual'),
 def of_wheels(known: Knowledge, checksum: oi.Checksum | None) -> list[Finding]:
     """Return what the odometry believes of the wheels and counts."""
     rounding, sign = known.likeliest
-    wheels = known.wheels
-    agrees = {
-        'fractions of distance and angle': FRACTIONS[rounding],
-        'sign of an encoder': SIGNS[sign], 'response': RESPONSES[wheels.response],
-        'dead time': '30 to 60 ms, measured of Create 2 robots'
-                     if 0.03 <= wheels.dead_time <= 0.06 else
-                     'nothing published: Create 2 robots had 30 to 60 ms',
-        'wheels over request': '1.000, measured of one Create',
-        'slowest speed that moves it': '10 mm/s, reported of robots of the 400 series'
-                                       if 0.008 <= wheels.dead_band <= 0.012 else
-                                       'nothing published: 10 mm/s is reported of the 400 series',
-        'wheel separation of the firmware': '0.258 m is reported; turns agree with 0.262 m on '
-                                            'one Create',
-        'frame period': _of_period(known.frame_period.value)}
+    width, late, dead = (FIRMWARE_SEPARATION / known.angle_factor.value / MILLI,
+                         known.delay(QUICK), known.dead_time.value)
     sums = ('not known', 'nothing') if checksum is None else CHECKSUMS[checksum]
-    return [*(Finding(name, answer, agrees.get(name, 'nothing measured'))
-              for name, answer in in_words(known).items()), Finding('checksum', *sums)]
+    fractions, of_fractions = FRACTIONS[rounding]
+    signs, of_signs = SIGNS[sign]
+    return [Finding(*row) for row in (
+        ('fractions of distance and angle', fractions + _sure(known.rounding[rounding]),
+         of_fractions),
+        ('sign of an encoder', signs + _sure(known.encoder_sign[sign]), of_signs),
+        ('late', f'{late.value / MILLI:.0f} +- {late.deviation / MILLI:.0f} ms at {QUICK} m/s, '
+                 f'{1e3 * QUICK * (late.value - dead):.0f} mm of coasting',
+         'one Create: it coasts about 15 mm from any speed'),
+        ('dead time', f'about {dead / MILLI:.0f} ms', 'Create 2 robots: 30 to 60 ms'),
+        ('braking', f'{known.braking.value:.1f} times as fast as it speeds up',
+         'nothing measured'),
+        ('wheels over request', f'right {_ratio(known.right_gain)}, left '
+                                f'{_ratio(known.left_gain)}', '1.000, measured of one Create'),
+        ('wheel separation of the firmware', f'{width:.1f} mm',
+         '0.258 m is reported; turns agree with 0.262 m on one Create'),
+        ('frame period', f'{known.frame_period.value / MILLI:.3f} ms',
+         _of_period(known.frame_period.value)),
+        ('checksum', *sums))]
+
+
+def _ratio(known: Known) -> str:
+    return f'{known.value:.3f} +- {known.deviation:.3f}'
+
+
+def _sure(probability: float) -> str:
+    return f' ({"over 99.9 %" if probability > 0.999 else f"{probability:.1%}"} sure)'
 
 
 def of_gyro(health: Health) -> Finding:

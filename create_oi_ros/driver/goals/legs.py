@@ -15,7 +15,7 @@ each stop. Where a stop left it short or too far, the robot creeps on, or back.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from math import atan2, copysign, cos, degrees, hypot, inf, pi, radians, remainder, sin, sqrt, tau
+from math import copysign, cos, degrees, inf, radians, remainder, sin, sqrt, tau
 from typing import NamedTuple
 
 from ...odometry import Estimate
@@ -40,17 +40,18 @@ UNCERTAINTY_GAIN, MAX_UNCERTAINTY = 2.0, 0.08
 and metres at most."""
 FINAL_DISTANCE = 0.05
 """Metres before the end in which the robot no longer speeds up."""
-STUCK_TIME, CREEP_STEP = 0.7, 0.01
-"""Seconds of creeping without motion after which a wheel creeps faster, and by how many m/s."""
+STUCK, STUCK_TIME, CREEP_STEP = 0.3, 0.7, 0.01
+"""Part of its speed below which a wheel that creeps does not move; seconds after which it creeps
+faster then, and by how many m/s."""
 MAX_CREEP = 0.08
 """m/s at most."""
 MIN_CORRECTED = 0.25
 """A correction that makes less than this part of its way has moved nothing: the next is faster."""
 STANDSTILL = 0.004
 """m/s below which a wheel counts as standing."""
-SETTLE_TIME, BLEND_TIME, MAX_SETTLE_TIME = 0.15, 0.25, 1.4
-"""Seconds of standing before a reading can confirm the place; seconds in which the odometry takes
-that reading in; seconds of standing after which the robot waits no longer for one."""
+SETTLE_TIME, MAX_SETTLE_TIME = 0.15, 1.4
+"""Seconds of standing before a reading can confirm the place, and after which the robot waits no
+longer for one."""
 PUSH_DISTANCE = 0.02
 """Metres up to which a correction is a push of a set length: its way is its speed times its
 length, whatever the coast."""
@@ -141,6 +142,11 @@ class Leg(ABC):
     def done(self) -> str:
         """Say what was done."""
 
+    def _since_last(self, estimate: Estimate) -> tuple[float, float]:
+        """Return metres and rad since the estimate of `_view`, without corrections of before."""
+        (way, turn), (last_way, last_turn) = estimate.trip, self._view.estimate.trip
+        return way - last_way, turn - last_turn
+
     @abstractmethod
     def _locate(self, estimate: Estimate) -> Place:
         """Return where an estimate is, after that of `_view`."""
@@ -181,7 +187,7 @@ class Leg(ABC):
             if self.correcting or room < FINAL_DISTANCE:
                 wanted = min(wanted, speed)
             speed = max(wanted, self._creep)
-            stuck = speed == self._creep and pace < STANDSTILL
+            stuck = speed == self._creep and pace < STUCK * speed
             crept = crept + self._view.dt if stuck else 0.0
             if crept > STUCK_TIME:
                 crept, self._creep = 0.0, self._faster()
@@ -207,7 +213,7 @@ class Leg(ABC):
             stood = stood + self._view.dt if abs(self._pace) < STANDSTILL else 0.0
             if self._view.measured and stood > SETTLE_TIME:
                 confirmed = min(confirmed, stood)
-            if stood >= min(confirmed + BLEND_TIME, MAX_SETTLE_TIME):
+            if stood >= min(confirmed, MAX_SETTLE_TIME):
                 return
             yield Instruction.MEASURE if stood > SETTLE_TIME and confirmed == inf else 0.0
 
@@ -224,7 +230,7 @@ class Straight(Leg):
         super().__init__(view, distance, top, STRAIGHT_TOLERANCE,
                          view.limits.linear_acceleration, view.straight)
         self.forward = distance > 0
-        self._heading = heading
+        self._off = remainder(view.estimate.yaw - heading, tau)
         self._aside = 0.0
 
     def progress(self, phase: Phase | None = None) -> Progress:
@@ -237,14 +243,12 @@ class Straight(Leg):
         return f'drove {self._whole - self._left:.3f} m'
 
     def _locate(self, estimate: Estimate) -> Place:
-        c, s = cos(self._heading), sin(self._heading)
-        last = self._view.estimate
-        dx, dy = estimate.x - last.x, estimate.y - last.y
-        self._aside += dy * c - dx * s
-        xx, xy, _, _, yy, *_ = estimate.pose_covariance
-        return Place(
-            dx * c + dy * s, estimate.linear, c * c * xx + 2 * c * s * xy + s * s * yy,
-            self._aside, remainder(estimate.yaw - self._heading, tau))
+        went, turned = self._since_last(estimate)
+        off = self._off + turned / 2
+        self._off += turned
+        self._aside += went * sin(off)
+        return Place(went * cos(off), estimate.linear, estimate.trip_variance[0], self._aside,
+                     self._off)
 
     def _velocity(self, speed: float) -> Velocity:
         return Velocity(speed, 0.0)
@@ -264,7 +268,7 @@ class Arc(Leg):
 
         `direction` is 1 for forwards and -1 for backwards.
         """
-        limits, at = view.limits, view.estimate
+        limits = view.limits
         self._reach = radius + limits.wheel_separation / 2
         caps = [limits.angular_acceleration * self._reach]
         if radius:
@@ -276,8 +280,8 @@ class Arc(Leg):
         self._radius = radius
         self._side = direction * copysign(1.0, angle)
         """1 where the circle's centre is on the robot's left, -1 on its right."""
-        self._centre = (at.x - self._side * radius * sin(at.yaw),
-                        at.y + self._side * radius * cos(at.yaw))
+        self._out = self._off = 0.0
+        """Metres beyond the circle, and rad left of its tangent."""
 
     @property
     def _turned(self) -> float:
@@ -294,12 +298,16 @@ class Arc(Leg):
         return f'turned by {self._turned:.3f} rad ({degrees(self._turned):.1f} degrees){circle}'
 
     def _locate(self, estimate: Estimate) -> Place:
-        x, y = estimate.x - self._centre[0], estimate.y - self._centre[1]
-        tangent = atan2(y, x) + self._side * pi / 2
+        went, turned = self._since_last(estimate)
+        off = self._off + turned / 2
+        along, radius = went * cos(off), self._radius + self._out
+        # The tangent turns as the robot goes round.
+        round_ = self._side * along / radius if self._radius else turned
+        self._off += turned - round_
+        self._out -= self._side * went * sin(off)
         return Place(
-            remainder(estimate.yaw - self._view.estimate.yaw, tau) * self._reach,
-            estimate.angular * self._reach, estimate.pose_covariance[8] * self._reach ** 2,
-            self._side * (self._radius - hypot(x, y)), remainder(estimate.yaw - tangent, tau))
+            turned * self._reach, estimate.angular * self._reach,
+            estimate.trip_variance[1] * self._reach ** 2, -self._side * self._out, self._off)
 
     def _velocity(self, speed: float) -> Velocity:
         angular = speed / self._reach
