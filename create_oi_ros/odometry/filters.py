@@ -294,7 +294,8 @@ class Filters:
             both.append(far_turn @ by)
         way, twist = both
         way[1, COUNTS] += window.turn
-        e, _, of_ways = self._noise(window, self._mean_level, window.rolling + free * (s - window.rolling))
+        walked = window.rolling + free * (s - window.rolling)
+        e, _, of_ways = self._noise(window, self._mean_level, walked)
         noise = (far_turn * of_ways) @ far_turn.T
         p = self._covariance
         if by_gyro is not None:
