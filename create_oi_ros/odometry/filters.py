@@ -561,9 +561,9 @@ class Filters:
         of_source = evidence / (of_rounding + 1e-300)
         if quick:
             of_source[:] = 1.0
-        part = IN_A_ROW if quick else OF_ROUNDING
+        share = IN_A_ROW if quick else OF_ROUNDING
         least = exp(-LEAST_LOG)
-        each = each * np.maximum(of_rounding / of_rounding.max(), least) ** part
+        each = each * np.maximum(of_rounding / of_rounding.max(), least) ** share
         each = each * np.maximum(of_source, least) ** OF_SOURCE
         each = each / each.sum() + 1e-7
         self.weights = within * each / each.sum()
