@@ -95,7 +95,7 @@ WALK, NUMBERS_WALK = 1e-7, 1e-4
 """Variance by which gains walk with each reading, and part of that of the numbers (tried)."""
 BENT = 0.01
 """Part of way times turn by which a way is off where it is taken for an arc."""
-OF_ROUNDING, OF_SOURCE, IN_A_ROW = 0.2, 0.5, 0.8
+OF_ROUNDING, OF_SOURCE, IN_A_ROW = 0.2, 1.0, 0.8
 """Parts of a reading's evidence that count: errors of the model are alike at each reading. Of
 readings in a row, which tell only of rounding, most does."""
 NEXT = 0.15
@@ -229,6 +229,8 @@ class Filters:
         off = self.mean - self._all
         self._covariance: Array = np.einsum('f,fij->ij', w, self.p) + (off * w[:, None]).T @ off
         self._levels: list[float] = self.weights.sum((0, 1)).tolist()
+        self._mean_level = Level(*(
+            float(np.dot(self._levels, np.square(each))) for each in zip(*LEVELS)))
         self.rounding: list[float] = self.weights.sum((1, 2)).tolist()
         self._believed: list[float] = self._all.tolist()
         x, y, self.yaw = self._believed[POSE]
@@ -292,8 +294,8 @@ class Filters:
             both.append(far_turn @ by)
         way, twist = both
         way[1, COUNTS] += window.turn
-        level = Level(*(float(np.dot(self._levels, np.square(each))) for each in zip(*LEVELS)))
-        e, _, of_ways = self._noise(window, level, window.rolling + free * (s - window.rolling))
+        walked = window.rolling + free * (s - window.rolling)
+        e, _, of_ways = self._noise(window, self._mean_level, walked)
         noise = (far_turn * of_ways) @ far_turn.T
         p = self._covariance
         if by_gyro is not None:
@@ -559,9 +561,9 @@ class Filters:
         of_source = evidence / (of_rounding + 1e-300)
         if quick:
             of_source[:] = 1.0
-        part = IN_A_ROW if quick else OF_ROUNDING
+        share = IN_A_ROW if quick else OF_ROUNDING
         least = exp(-LEAST_LOG)
-        each = each * np.maximum(of_rounding / of_rounding.max(), least) ** part
+        each = each * np.maximum(of_rounding / of_rounding.max(), least) ** share
         each = each * np.maximum(of_source, least) ** OF_SOURCE
         each = each / each.sum() + 1e-7
         self.weights = within * each / each.sum()

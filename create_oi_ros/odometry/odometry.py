@@ -25,8 +25,8 @@ MAX_CORRECTION, MAX_TURN_CORRECTION = 0.067, 8 * DEGREE
 """The fastest that corrections are blended in, m/s and rad/s: a millimetre a frame."""
 FREE_FACTOR, FREE_TIME = 6.0, 4.0
 """How much faster for so many seconds after wheels did not follow: the robot moved so."""
-GROWTH_EVERY = 5
-"""Frames from one prediction of the covariance to the next: 75 ms."""
+GROWTH_EVERY = 8
+"""Frames from one prediction of the covariance to the next: 120 ms."""
 LOST = 2.5 * SLOT
 """Seconds between two frames from which on some were lost."""
 FLOOR = 1e-8
