@@ -9,7 +9,6 @@ stop to follow are noticed by the next reading, and trusted again some readings 
 are those of docs/odometry.md.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, exp, log, sin
 from typing import NamedTuple
@@ -82,11 +81,6 @@ KEEPS = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 0]], bool)
 
 EVEN_WAY = 0.1
 """Metres within which errors of a way add up (a turn of the wheel is 0.2 m)."""
-SLOW, SLOW_PART = 0.026, 0.5
-"""m/s below which a request may move nothing (evidence: dead bands to 25 mm/s), and the part of
-its way that is not sure then."""
-ALIKE = 0.05
-"""m/s; requests that differ by less share most of e."""
 SAME = 0.015
 """m/s; a request that stays within it is the same: who steers along a line corrects always."""
 TICK = (0.35 * MILLI) ** 2 / 6
@@ -95,7 +89,7 @@ WALK, NUMBERS_WALK = 1e-7, 1e-4
 """Variance by which gains walk with each reading, and part of that of the numbers (tried)."""
 BENT = 0.01
 """Part of way times turn by which a way is off where it is taken for an arc."""
-OF_ROUNDING, OF_SOURCE, IN_A_ROW = 0.2, 1.0, 0.8
+OF_ROUNDING, OF_SOURCE, IN_A_ROW = 0.2, 0.3, 0.8
 """Parts of a reading's evidence that count: errors of the model are alike at each reading. Of
 readings in a row, which tell only of rounding, most does."""
 NEXT = 0.15
@@ -124,48 +118,39 @@ class Window:
     turn: float = 0.0
     way: float = 0.0
     """Motion in the frame of the window's start: m, rad, and the length of the way."""
-    kept: list[float] = field(default_factory=lambda: [1.0, 1.0])
-    strayed: list[float] = field(default_factory=lambda: [0.0, 0.0])
-    """Part of e at the start that is left, and seconds for which it acted, of each wheel."""
+    kept: bool = True
+    """Whether the wheels still stray as at the start."""
+    strayed: float = 0.0
+    """Seconds for which they did."""
     changes: list[float] = field(default_factory=lambda: [0.0, 0.0])
     """Sum of the changes of the requests, m/s."""
-    fresh: list[list[list[float]]] = field(default_factory=lambda: [
-        [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]] for _ in range(2)])
-    """What new strays have made: variance of e, its covariance with the way, variance of the way,
-    each of both wheels; for a level of 1, and of slow requests."""
+    fresh: list[list[float]] = field(default_factory=lambda: [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    """What new strays have made, for a level of 1: variance of e, its covariance with the way,
+    variance of the way, each of both wheels."""
 
     def step(self, dt: float, *, rolling: bool) -> None:
         """Let a frame pass."""
         self.seconds += dt
         self.rolling += dt * rolling
+        self.strayed += dt * self.kept
+        e, both, way = self.fresh
         for i in (0, 1):
-            self.strayed[i] += self.kept[i] * dt
-            for e, both, way in self.fresh:
-                if e[i] or both[i]:
-                    way[i] += (2 * both[i] + e[i] * dt) * dt
-                    both[i] += e[i] * dt
+            way[i] += (2 * both[i] + e[i] * dt) * dt
+            both[i] += e[i] * dt
 
     def change(self, request: Speeds, before: Speeds) -> None:
-        """Draw e anew, as far as a request is another than those near it."""
+        """Draw e anew where a request is another than those near it."""
         for i in (0, 1):
             self.changes[i] += abs(request[i] - before[i])
         near = self.near
-        most = max(abs(a - b) for a, b in zip(request, near))
-        if most < SAME and all(request) == all(near):
+        if all(request) == all(near) and max(
+                abs(now - then) for now, then in zip(request, near)) < SAME:
             return
-        self.near = request
-        alike = exp(-most / ALIKE)
-        speed, new = max(map(abs, (*request, *near))), 1 - alike * alike
+        self.near, self.kept = request, False
+        fastest = max(map(abs, (*request, *near)))
+        e, both, _ = self.fresh
         for i, asked in enumerate(request):
-            part = alike if asked else 0.0
-            self.kept[i] *= part
-            for e, both, _ in self.fresh:
-                e[i] *= part * part
-                both[i] *= part
-            if asked:
-                self.fresh[0][0][i] += new * speed * speed
-                if abs(asked) < SLOW:
-                    self.fresh[1][0][i] += new * (SLOW_PART * asked) ** 2
+            e[i], both[i] = fastest ** 2 if asked else 0.0, 0.0
 
     def advance(self, far: float, turn: float) -> None:
         """Let the mean go on along an arc."""
@@ -260,13 +245,13 @@ class Filters:
 
     # What is believed of the motion now.
 
-    def motion(self, ways: Speeds, dt: float, kept: Sequence[float]) -> tuple[float, float]:
+    def motion(self, ways: Speeds, dt: float, *, kept: bool) -> tuple[float, float]:
         """Return the distance and the turn in a frame in which wheels rolled as modelled."""
         m, free, g = self._believed, self._levels[FREE], self._geometry
         if not self.wheels.moving and free < 0.5:
             return 0.0, 0.0
         right, left = (m[RIGHT + i] * ways[i] + m[STRAY_RIGHT + i] * dt * (
-            free + (1 - free) * kept[i]) for i in (0, 1))
+            free + (1 - free) * kept) for i in (0, 1))
         return (g.linear_scale * (right + left) / 2,
                 g.angular_scale * (1 + m[COUNTS]) * (right - left) / FIRMWARE_SEPARATION)
 
@@ -284,13 +269,12 @@ class Filters:
         far_turn = np.array([[0.5, 0.5], [1 / b, -1 / b]])
         both = []
         for ways, slopes, strayed in (
-                (w.way[0], w.slopes()[0],
-                 [(1 - free) * each + free * s for each in window.strayed]),
-                (w.speed[0], w.speed_slopes(), (1.0, 1.0))):
+                (w.way[0], w.slopes()[0], (1 - free) * window.strayed + free * s),
+                (w.speed[0], w.speed_slopes(), 1.0)):
             by = np.zeros((2, X))
             by[0, RIGHT], by[1, LEFT] = ways
             by[:, NUMBERS] = (slopes * gains).T
-            by[0, STRAY_RIGHT], by[1, STRAY_LEFT] = strayed
+            by[0, STRAY_RIGHT] = by[1, STRAY_LEFT] = strayed
             both.append(far_turn @ by)
         way, twist = both
         way[1, COUNTS] += window.turn
@@ -321,10 +305,9 @@ class Filters:
 
         The level has squares; e has walked for so many seconds, and made so many metres.
         """
-        unit, slow = (np.array(each) for each in window.fresh)
         path, t = np.array(self.wheels.path) + strayed, walked
-        e, both, way = (level.redrawn * unit[i] + slow[i] + level.walk * each
-                        for i, each in enumerate((t, t * t / 2, t * t * t / 3)))
+        e, both, way = (level.redrawn * np.array(fresh) + level.walk * each for fresh, each in zip(
+            window.fresh, (t, t * t / 2, t * t * t / 3)))
         way = (way + level.way * path * np.minimum(path, EVEN_WAY)
                + level.change * np.square(window.changes) + 1e-9)
         return e, both, way

@@ -158,7 +158,7 @@ class Odometry:
                 self._request = asked
             ways = wheels.roll(seconds, asked, lifted=lifted)
             w.step(seconds, rolling=wheels.moving)
-            more, bent = self.filters.motion(ways, seconds, w.kept)
+            more, bent = self.filters.motion(ways, seconds, kept=w.kept)
             far, turn = far + more, turn + bent
         return far, turn
 

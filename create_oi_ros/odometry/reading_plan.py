@@ -97,7 +97,7 @@ class ReadingPlan:
             return 0
         if not filters.wheels.steady:
             return 0
-        far, turn = filters.motion((filters.wheels.speed[0] * dt).tolist(), dt, (1.0, 1.0))
+        far, turn = filters.motion((filters.wheels.speed[0] * dt).tolist(), dt, kept=True)
         best, every = 0.15, 0
         for amount in abs(turn) / DEGREE, abs(far) / MILLI:
             for frames in range(1, 7):
