@@ -275,7 +275,7 @@ class Driver:
             return
         moved = self._tracking.take(frame, connection.baud, now)
         connection.add_frame(frame.packets, now)
-        if answers:
+        if answers and activity is Activity.SCRIPT:
             self._after_script()
         if moved is None:
             return

@@ -215,8 +215,10 @@ class Motion:
         did it, starts from rest. While speeds are held back, only a change shows that it obeys.
         """
         status, reported, before = self._core.status, requested_speeds(readings), self._reported
-        if (None in reported or not self._core.state.takes_commands
-                or not (status.can_drive or status.unknown)):
+        obeys = self._core.state.takes_commands and (status.can_drive or status.unknown)
+        if not obeys:
+            self._reported = None  # the wheels stand, or turn for somebody else
+        if not obeys or None in reported:
             self.missed_since = None
             return
         self._reported = reported

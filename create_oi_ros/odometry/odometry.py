@@ -23,7 +23,7 @@ BLEND_TIME = 0.1
 """Seconds in which a correction is blended in."""
 MAX_CORRECTION, MAX_TURN_CORRECTION = 0.067, 8 * DEGREE
 """The fastest that corrections are blended in, m/s and rad/s: a millimetre a frame."""
-FREE_FACTOR, FREE_TIME = 6.0, 4.0
+FREE_FACTOR, FREE_TIME = 3.5, 6.0
 """How much faster for so many seconds after wheels did not follow: the robot moved so."""
 GROWTH_EVERY = 8
 """Frames from one prediction of the covariance to the next: 120 ms."""
