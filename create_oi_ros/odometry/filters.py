@@ -81,6 +81,9 @@ KEEPS = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 0]], bool)
 
 EVEN_WAY = 0.1
 """Metres within which errors of a way add up (a turn of the wheel is 0.2 m)."""
+SLOW, SLOW_PART = 0.026, 0.5
+"""m/s below which a request may move nothing (evidence: dead bands to 25 mm/s), and the part of its
+way that is not sure then."""
 SAME = 0.015
 """m/s; a request that stays within it is the same: who steers along a line corrects always."""
 TICK = (0.35 * MILLI) ** 2 / 6
@@ -89,7 +92,7 @@ WALK, NUMBERS_WALK = 1e-7, 1e-4
 """Variance by which gains walk with each reading, and part of that of the numbers (tried)."""
 BENT = 0.01
 """Part of way times turn by which a way is off where it is taken for an arc."""
-OF_ROUNDING, OF_SOURCE, IN_A_ROW = 0.2, 0.3, 0.8
+OF_ROUNDING, OF_SOURCE, IN_A_ROW = 0.2, 0.5, 0.8
 """Parts of a reading's evidence that count: errors of the model are alike at each reading. Of
 readings in a row, which tell only of rounding, most does."""
 NEXT = 0.15
@@ -124,19 +127,20 @@ class Window:
     """Seconds for which they did."""
     changes: list[float] = field(default_factory=lambda: [0.0, 0.0])
     """Sum of the changes of the requests, m/s."""
-    fresh: list[list[float]] = field(default_factory=lambda: [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
-    """What new strays have made, for a level of 1: variance of e, its covariance with the way,
-    variance of the way, each of both wheels."""
+    fresh: list[list[list[float]]] = field(default_factory=lambda: [
+        [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]] for _ in range(2)])
+    """What new strays have made: variance of e, its covariance with the way, variance of the way,
+    each of both wheels; for a level of 1, and of slow requests."""
 
     def step(self, dt: float, *, rolling: bool) -> None:
         """Let a frame pass."""
         self.seconds += dt
         self.rolling += dt * rolling
         self.strayed += dt * self.kept
-        e, both, way = self.fresh
-        for i in (0, 1):
-            way[i] += (2 * both[i] + e[i] * dt) * dt
-            both[i] += e[i] * dt
+        for e, both, way in self.fresh:
+            for i in (0, 1):
+                way[i] += (2 * both[i] + e[i] * dt) * dt
+                both[i] += e[i] * dt
 
     def change(self, request: Speeds, before: Speeds) -> None:
         """Draw e anew where a request is another than those near it."""
@@ -148,9 +152,10 @@ class Window:
             return
         self.near, self.kept = request, False
         fastest = max(map(abs, (*request, *near)))
-        e, both, _ = self.fresh
         for i, asked in enumerate(request):
-            e[i], both[i] = fastest ** 2 if asked else 0.0, 0.0
+            slow = SLOW_PART * asked if abs(asked) < SLOW else 0.0
+            for (e, both, _), stray in zip(self.fresh, (fastest if asked else 0.0, slow)):
+                e[i], both[i] = stray ** 2, 0.0
 
     def advance(self, far: float, turn: float) -> None:
         """Let the mean go on along an arc."""
@@ -245,10 +250,14 @@ class Filters:
 
     # What is believed of the motion now.
 
+    @property
+    def _stands(self) -> bool:
+        return not self.wheels.moving and self._levels[FREE] < 0.5
+
     def motion(self, ways: Speeds, dt: float, *, kept: bool) -> tuple[float, float]:
         """Return the distance and the turn in a frame in which wheels rolled as modelled."""
         m, free, g = self._believed, self._levels[FREE], self._geometry
-        if not self.wheels.moving and free < 0.5:
+        if self._stands:
             return 0.0, 0.0
         right, left = (m[RIGHT + i] * ways[i] + m[STRAY_RIGHT + i] * dt * (
             free + (1 - free) * kept) for i in (0, 1))
@@ -270,7 +279,7 @@ class Filters:
         both = []
         for ways, slopes, strayed in (
                 (w.way[0], w.slopes()[0], (1 - free) * window.strayed + free * s),
-                (w.speed[0], w.speed_slopes(), 1.0)):
+                (w.speed[0], w.speed_slopes(), float(not self._stands))):
             by = np.zeros((2, X))
             by[0, RIGHT], by[1, LEFT] = ways
             by[:, NUMBERS] = (slopes * gains).T
@@ -294,7 +303,8 @@ class Filters:
         f[0, YAW], f[1, YAW] = -wy, wx
         moved = f @ p[:ANGLE, :ANGLE] @ f.T + g @ noise @ g.T
         window_p = np.diag(way @ p[:X, :X] @ way.T + noise)
-        twists = np.diag(twist @ p[:X, :X] @ twist.T) + [e.sum() / 4, e.sum() / b ** 2]
+        new = 0.0 if self._stands else e.sum()
+        twists = np.diag(twist @ p[:X, :X] @ twist.T) + [new / 4, new / b ** 2]
         return (moved.tolist(), tuple((twists + 1e-8).tolist()),
                 tuple(np.sqrt(window_p).tolist()))
 
@@ -306,8 +316,9 @@ class Filters:
         The level has squares; e has walked for so many seconds, and made so many metres.
         """
         path, t = np.array(self.wheels.path) + strayed, walked
-        e, both, way = (level.redrawn * np.array(fresh) + level.walk * each for fresh, each in zip(
-            window.fresh, (t, t * t / 2, t * t * t / 3)))
+        unit, slow = np.array(window.fresh)
+        e, both, way = (level.redrawn * unit[i] + slow[i] + level.walk * each
+                        for i, each in enumerate((t, t * t / 2, t * t * t / 3)))
         way = (way + level.way * path * np.minimum(path, EVEN_WAY)
                + level.change * np.square(window.changes) + 1e-9)
         return e, both, way

@@ -33,6 +33,8 @@ FLOOR = 1e-8
 """Least variance of a pose, m² and rad²."""
 GAP_SPEED, GAP_RATE, GAP_MOST = 0.3, 1.0, 3.0
 """m/s and rad/s that a robot may have driven unseen, and rad at most: half a turn is any."""
+UNSEEN_SPEED = 0.03
+"""m/s by which a way that the robot chose itself may have bent between two readings (tried)."""
 UNSEEN, UNSEEN_UNIT = 0.3, (0.002, 1.0 * DEGREE)
 """Part of an unseen way by which its end may be elsewhere; m and rad of a reading's unit."""
 AS_BUILT = Geometry()
@@ -171,14 +173,15 @@ class Odometry:
             f.advance(self._window, doubted=self._doubted)
             f.take(None if self._discard else (angle, distance), self._window.seconds,
                    lost=self._lost)
+            if self._doubted:
+                place = (UNSEEN_SPEED * self._window.seconds) ** 2
+                f.shift(np.zeros(5), np.array([place, place, 0.0, 0.0, 0.0]))
         if self._gap or self._doubted or not f.followed:
             self._hurry = FREE_TIME
         self._discard = self._lost = self._doubted = False
         self._gap = 0.0
         self._begin_window()
-        bx, by, byaw = self._behind
-        x, y, yaw = self._pose()
-        self._behind = bx + x - before[0], by + y - before[1], byaw + yaw - before[2]
+        self._blend_from(before)
         self._grow()
         self._plan.came()
 
@@ -202,8 +205,15 @@ class Odometry:
 
     def _split(self) -> None:
         """End the window here, without a reading."""
+        before = self._pose()
         self.filters.advance(self._window)
         self._begin_window()
+        self._blend_from(before)
+
+    def _blend_from(self, before: tuple[float, float, float]) -> None:
+        """Let the published pose follow one that was corrected."""
+        (bx, by, byaw), (x, y, yaw) = self._behind, self._pose()
+        self._behind = bx + x - before[0], by + y - before[1], byaw + yaw - before[2]
 
     def _begin_window(self) -> None:
         """Begin a window where the filters are."""

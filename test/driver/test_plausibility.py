@@ -59,10 +59,10 @@ def test_a_value_that_every_frame_has_stops_nothing(name: str, value: int, baud:
 def test_all_of_them_at_once_and_other_values_in_every_frame_stop_nothing() -> None:
     loop = Loop()
     values = {name: value for name, value in ODD.items() if name != 'oi_mode'}
-    for turn in range(300):
+    for turn in range(900):
         loop.forged = {name: value for place, (name, value) in enumerate(values.items())
-                       if (place + turn // 3) % 7 or turn > 200}
-        loop.forged['wall_signal'] = 5000 + turn
+                       if (place + turn // 3) % 7 or turn > 600}
+        loop.forged['wall_signal'] = 5000 + turn % 300
         loop.driver.drive(0.2, 0.0, loop.now)
         loop.turn()
     assert answered(loop) and loop.body.truth().pose.x > 0.2
