@@ -140,8 +140,9 @@ class GyroSettings(NamedTuple):
     """rad/s at which its output ends."""
 
 
-CERTAIN, FINE, PROMPT = 0.97, 0.01, 0.03
-"""When a robot counts as known: least probability of its rounding and of its source of signs;
+CERTAIN, FINE, PROMPT = 0.95, 0.01, 0.03
+"""When a robot counts as known: least probability of its rounding and of its source of signs (two
+that differ only for a dead time count as one);
 largest deviation of a gain, and of a wheel's delay at 0.2 m/s, s (what a minute teaches)."""
 QUICK = 0.2
 """m/s at which that delay is looked at."""
@@ -188,8 +189,9 @@ class Knowledge:
     @property
     def certain(self) -> bool:
         """Whether the robot is known as well as a minute of mixed driving can teach."""
-        rounding, sign = self.likeliest
-        return (min(self.rounding[rounding], self.encoder_sign[sign]) > CERTAIN
+        signs = dict(self.encoder_sign)
+        signs[SignSource.DRIVE] += signs.pop(SignSource.LAST_REQUEST)
+        return (min(max(self.rounding.values()), max(signs.values())) > CERTAIN
                 and max(self.right_gain.deviation, self.left_gain.deviation) < FINE
                 and self.delay(QUICK).deviation < PROMPT)
 

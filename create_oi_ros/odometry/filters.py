@@ -82,8 +82,8 @@ KEEPS = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 0]], bool)
 EVEN_WAY = 0.1
 """Metres within which errors of a way add up (a turn of the wheel is 0.2 m)."""
 SLOW, SLOW_PART = 0.026, 0.5
-"""m/s below which a request may move nothing (evidence: dead bands to 25 mm/s), and the part of its
-way that is not sure then."""
+"""m/s below which a request may move nothing (evidence: dead bands to 25 mm/s), and the part of
+its way that is not sure then."""
 SAME = 0.015
 """m/s; a request that stays within it is the same: who steers along a line corrects always."""
 TICK = (0.35 * MILLI) ** 2 / 6

@@ -161,7 +161,7 @@ def test_a_robot_that_is_lifted_while_it_drives_goes_on_from_there():
         ride.go(0.0, 0.0, 2.0, lifted=True)
         ride.body.lift(False)
     ride.go(0.0, 0.0, 2.0)
-    assert abs(ride.off[0] - yaw) < 3.0
+    assert abs(ride.off[0] - yaw) < 4.0
     assert abs(ride.off[1] - place) < 0.3
 
 

@@ -158,7 +158,7 @@ def filled(readings: oi.Readings, *types: type) -> list[Any]:
 def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
     loop.forged = {'oi_mode': 4, 'charging_state': 6, 'song_number': 16, 'analog_signal': 1024,
                    'cliff_left_signal': 5000, 'buttons': 3}
-    loop.run(0.6)
+    loop.run(5.0)
     before = copy(loop.driver.counts)
     loop.drive(0.1, 0.0, 1.0)
     told = all_of(loop, before)
