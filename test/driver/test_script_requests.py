@@ -55,6 +55,16 @@ def test_after_a_script_that_leaves_safe_commands_must_pause(loop):
     assert loop.robot.actuators.wheels == (200, 200)
 
 
+def test_an_answer_that_comes_without_a_port_ends_no_script(loop):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    loop.run(0.3)
+    loop.driver.disconnected('the cable was pulled')
+    loop.run(3.0)
+    assert loop.driver.state.activity is Activity.CLOSED
+    assert not any('script has ended' in text for text in texts(loop.notices, Severity.INFO))
+
+
 def test_a_script_that_enters_full_is_sent_no_end_of_a_demo(loop):
     loop.run(3.0)
     ask(loop, loop.driver.scripts.define, parse_script('Full; Wait Time time=10'))
