@@ -84,7 +84,8 @@ def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_in_its_namesp
     assert [each.string_value or each.double_value for each in reply.values] == ['forward', 0.2]
     stage.ros.until(lambda: stage.ros.node.count_subscribers('/robot1/odom') == 2,
                     'status line and page listen')
-    _, port, token = re.search(r'open (http://\S+:(\d+)/)\?token=(\S+) in', run.output).groups()
+    _, port, token = stage.ros.until(lambda: re.search(
+        r'open (http://\S+:(\d+)/)\?token=(\S+) in', run.output), 'an address').groups()
     assert token == kept.read_text()
     with closing(PageClient(f'http://127.0.0.1:{port}/', token=token)) as page:
         ready(page)

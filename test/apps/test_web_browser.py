@@ -194,7 +194,7 @@ def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage,
         """Check that it stands, and drives only after the gamepad was let go."""
         stops_in_time(stage.ros, robot)
         push(0, -0.6)
-        assert standing(robot)
+        stops_in_time(stage.ros, robot)  # a command was on its way, at most
     push(0, -0.5)
     must_be_let_go()
     drives()
