@@ -8,6 +8,7 @@ handlers shut rclpy down before the driver has stopped the robot. So here Python
 to a socket, whichever thread receives it, and a thread of ours reads that socket.
 """
 
+import atexit
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import ctypes
@@ -69,6 +70,8 @@ def call_on_signal(end: Callable[[], object]) -> None:
     signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
     for number in STOP_SIGNALS:
         signal.signal(number, lambda *_: None)
+        # A program that ends by one signal must not be killed by the next, as `ros2 launch` sends.
+        atexit.register(signal.signal, number, signal.SIG_IGN)
     threading.Thread(target=wait, name='signals', daemon=True).start()
 
 

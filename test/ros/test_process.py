@@ -46,6 +46,37 @@ with GoalClient() as robot:
     node = robot.node
 """
 
+SIGNALLED_AGAIN = """
+import os, signal, threading
+{program}
+
+class Late:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        print('ended', flush=True)
+late = Late()  # Python ends it when it has given its signals back
+"""
+NODE = """
+from create_oi_ros.ros.process import call_on_signal
+ended = threading.Event()
+call_on_signal(ended.set)
+os.kill(os.getpid(), signal.SIGINT)
+ended.wait()
+"""
+SIMULATOR = """
+from create_oi_ros.sim.server.create_sim import main
+threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+main(['--link', 'port'])
+"""
+
+
+@pytest.mark.parametrize('program', [NODE, SIMULATOR], ids=['a node', 'a simulator'])
+def test_a_signal_does_not_kill_what_ends_by_another_one(tmp_path, program: str) -> None:
+    done = subprocess.run([sys.executable, '-c', SIGNALLED_AGAIN.format(program=program)],
+                          text=True, capture_output=True, timeout=60, check=False, cwd=tmp_path)
+    assert done.stdout.endswith('ended\n')
+    assert (done.stderr, done.returncode) == ('', 0)
+
 
 @pytest.mark.parametrize('begin', [EXECUTOR, GOALS], ids=['a node', 'a client of goals'])
 def test_a_program_ends_though_ros_hangs_at_its_end_and_tells_where(begin: str) -> None:

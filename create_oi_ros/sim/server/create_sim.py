@@ -3,6 +3,7 @@
 """The program `create_sim`: its options, and what it prints."""
 
 import argparse
+import atexit
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 import csv
@@ -118,6 +119,8 @@ def _line(options: argparse.Namespace) -> Line:
 def _end_on_signals(serving: Server | Player) -> None:
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: serving.stop())
+        # `ros2 launch` sends another one, which must not kill what ends already.
+        atexit.register(signal.signal, number, signal.SIG_IGN)
 
 
 def _recorder(server: Server, path: Path, stack: ExitStack) -> Callable[[], None]:
