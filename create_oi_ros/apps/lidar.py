@@ -16,9 +16,9 @@ from typing import Any
 
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import Transform, TransformStamped, Vector3
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.time import Time
 from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
@@ -44,6 +44,7 @@ class LidarNode(Node):
         """Take the frames that are not given from the driver, which names its own in `mode`."""
         super().__init__('create_lidar')
         self._wanted, self._base_frame, self.frame = frame, '', ''
+        self._newest = 0
         self._scans = self.create_publisher(LaserScan, 'scan', qos_profile_sensor_data)
         self._transforms = self.create_publisher(TFMessage, '/tf_static', LATCHED)
         if base_frame:
@@ -68,11 +69,15 @@ class LidarNode(Node):
         """Publish a turn, stamped at its middle; its beams count as measured at once."""
         if not self.frame:
             return
-        stamp = self.get_clock().now() - Duration(seconds=scan['age'])
+        stamp = self.get_clock().now().nanoseconds - round(1e9 * scan['age'])
+        if 0 <= self._newest - stamp < 1e9 * scan['turn']:
+            return  # the one before was late, and this one is not: their order would be wrong
+        self._newest = stamp
         ranges = [inf if each is None else each for each in scan['ranges']]
         self._scans.publish(LaserScan(
-            header=Header(frame_id=self.frame, stamp=stamp.to_msg()), ranges=ranges,
-            angle_min=-pi, angle_max=pi - tau / len(ranges), angle_increment=tau / len(ranges),
+            header=Header(frame_id=self.frame, stamp=Time(nanoseconds=stamp).to_msg()),
+            ranges=ranges, angle_min=-pi, angle_max=pi - tau / len(ranges),
+            angle_increment=tau / len(ranges),
             scan_time=scan['turn'], range_min=scan['nearest'], range_max=scan['farthest']))
 
 

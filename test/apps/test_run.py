@@ -3,10 +3,13 @@
 """`create_run` as a user sees it: one command, a robot that can be driven, a clean end."""
 
 from contextlib import closing
+from itertools import cycle
+import json
 from math import dist, inf, nan, pi
 from pathlib import Path
 import re
 import signal
+import socket
 
 from create_oi_msgs.msg import Bumper, Mode
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -296,3 +299,24 @@ def test_where_nothing_is_near_all_ranges_are_infinite_and_the_end_of_the_robot_
     sim.send(signal.SIGINT)
     assert lidar.ended() == 0
     assert 'Traceback' not in lidar.output
+
+
+def test_a_scan_that_would_be_older_than_one_that_was_late_is_left_out(stage):
+    path = stage.folder / 'control'
+    with socket.socket(socket.AF_UNIX) as door:
+        door.bind(str(path))
+        door.listen()
+        stage.program('create_lidar', '--control', str(path), '--base-frame', 'base')
+        scans = stage.ros.listen(LaserScan, 'scan', qos_profile_sensor_data)
+        line = door.accept()[0].makefile('rw')
+        ages = cycle((0.0, 0.09))  # seconds: the second one is older, though it comes later
+
+        def heard():
+            assert line.readline() == 'scan\n'
+            line.write('ok ' + json.dumps({'age': next(ages), 'turn': 0.1, 'ranges': [1.0],
+                                           'nearest': 0.1, 'farthest': 3.5}) + '\n')
+            line.flush()
+            return len(scans) > 10
+        stage.ros.until(heard)
+    stamps = [(each.header.stamp.sec, each.header.stamp.nanosec) for each in scans]
+    assert stamps == sorted(set(stamps))
