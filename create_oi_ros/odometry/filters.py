@@ -61,7 +61,7 @@ class Level(NamedTuple):
     way: float
     """Part of the way within `EVEN_WAY` that is not sure."""
     change: float
-    """Seconds: what a change of the request may cost, over its m/s."""
+    """Seconds by which a change of speed may be late or early."""
     fallen: float
     """m/s of e in a robot that has just come to this level."""
     wrong: float
@@ -125,8 +125,6 @@ class Window:
     """Whether the wheels still stray as at the start."""
     strayed: float = 0.0
     """Seconds for which they did."""
-    changes: list[float] = field(default_factory=lambda: [0.0, 0.0])
-    """Sum of the changes of the requests, m/s."""
     fresh: list[list[list[float]]] = field(default_factory=lambda: [
         [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]] for _ in range(2)])
     """What new strays have made: variance of e, its covariance with the way, variance of the way,
@@ -142,10 +140,8 @@ class Window:
                 way[i] += (2 * both[i] + e[i] * dt) * dt
                 both[i] += e[i] * dt
 
-    def change(self, request: Speeds, before: Speeds) -> None:
+    def change(self, request: Speeds) -> None:
         """Draw e anew where a request is another than those near it."""
-        for i in (0, 1):
-            self.changes[i] += abs(request[i] - before[i])
         near = self.near
         if all(request) == all(near) and max(
                 abs(now - then) for now, then in zip(request, near)) < SAME:
@@ -315,12 +311,12 @@ class Filters:
 
         The level has squares; e has walked for so many seconds, and made so many metres.
         """
-        path, t = np.array(self.wheels.path) + strayed, walked
+        path, t = self.wheels.path + strayed, walked
         unit, slow = np.array(window.fresh)
         e, both, way = (level.redrawn * unit[i] + slow[i] + level.walk * each
                         for i, each in enumerate((t, t * t / 2, t * t * t / 3)))
         way = (way + level.way * path * np.minimum(path, EVEN_WAY)
-               + level.change * np.square(window.changes) + 1e-9)
+               + level.change * np.square(self.wheels.varied) + 1e-9)
         return e, both, way
 
     # Readings.
@@ -462,7 +458,7 @@ class Filters:
 
     def _add_noise(self, window: Window, by: Array, wrong: Array, strayed: Array) -> None:
         """Add what the model does not tell."""
-        p, path = self.p, np.array(self.wheels.path)
+        p, path = self.p, self.wheels.path
         walked = np.where(self._free, window.seconds, window.rolling)[:, None]
         e, both, way = self._noise(window, self._squared, walked, np.abs(strayed))
         p[:, X:, X:] += (by * way[:, None]) @ by.transpose(0, 2, 1)

@@ -156,7 +156,7 @@ class Odometry:
             if not seconds:
                 continue
             if asked != self._request:
-                w.change(asked, self._request)
+                w.change(asked)
                 self._request = asked
             ways = wheels.roll(seconds, asked, lifted=lifted)
             w.step(seconds, rolling=wheels.moving)

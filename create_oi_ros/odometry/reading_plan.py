@@ -80,7 +80,7 @@ class ReadingPlan:
         if age < STOPPED_WAIT:
             return False
         if not any(self._request):
-            if not wheels.moving and not any(wheels.path):
+            if not wheels.moving and not wheels.path.any():
                 return age > STANDING
             if self._still > STOPPED:
                 return True

@@ -12,7 +12,7 @@ T holds at 0.1 m/s and shrinks with the speed's power p; a wheel that slows down
 fast. Both wheels are alike; gains come later (`filters`). SI units.
 """
 
-from math import exp
+from math import exp, hypot
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,8 +44,8 @@ class Wheels:
         self.speed = np.zeros((COPIES, 2))
         self.way, self.wrong = np.zeros((COPIES, 2)), np.zeros((SIGNS, COPIES, 2))
         """Metres rolled since the last reading, and those of them counted with a wrong sign."""
-        self.path = [0.0, 0.0]
-        """Metres rolled since the last reading, whatever the direction."""
+        self.path, self.varied = np.zeros(2), np.zeros(2)
+        """Metres rolled and changes of speed, m/s, since the last reading, without their signs."""
         self.moving, self._settled = False, True
         """Whether a wheel turns, and whether all run as requested."""
         self.goal = np.zeros(2)
@@ -55,7 +55,11 @@ class Wheels:
         """Requests that have no effect yet, with the seconds until they have."""
         self._begun_at = np.zeros(2)
         """m/s at the last reading."""
+        self._fastest = np.full(2, SLOWEST)
+        """m/s that T goes with."""
         self._sign = np.ones((SIGNS, 1, 2))
+        self._against = np.zeros((SIGNS, 2))
+        """m/s against the sign, at the last reading, and by requests that have turned it."""
         self.numbers = numbers
         self.set_numbers(numbers)
 
@@ -70,12 +74,17 @@ class Wheels:
         n[range(1, COPIES), range(COPIES - 1)] += STEP
         self._t, self._p, self._a, self._b = (n[:, i:i + 1] for i in range(COPIES - 1))
         self._t, self._a, self._b = np.exp(self._t), np.exp(self._a), np.exp(self._b)
-        self._aim()
+        self._work_out_lag()
 
-    def _aim(self) -> None:
-        """Work out the lag on the way to the goal."""
-        fastest = np.clip(np.maximum(np.abs(self.goal), np.abs(self.speed)), SLOWEST, FASTEST)
-        self._lag = np.maximum(self._t * (REFERENCE / fastest) ** self._p, LEAST_LAG)
+    def _aim(self, request: Speeds) -> None:
+        """Be pulled to other speeds from now on; the faster of both ends decides how late."""
+        self.goal = np.array(request)
+        self._fastest = np.clip(
+            np.maximum(np.abs(self.goal), np.abs(self.speed[0])), SLOWEST, FASTEST)
+        self._work_out_lag()
+
+    def _work_out_lag(self) -> None:
+        self._lag = np.maximum(self._t * (REFERENCE / self._fastest) ** self._p, LEAST_LAG)
         self._most = self._lag * self._a
 
     def roll(self, dt: float, request: Speeds, *, lifted: bool = False) -> Speeds:
@@ -83,13 +92,17 @@ class Wheels:
         if request != self._request:
             self._request, self._settled = request, False
             self._delayed.append((float(self.numbers[-1]), request))
+            self._against[1:] -= self._speed_against()[1:]
             sign = np.sign(request)
             self._sign[1] = np.where(sign == 0, self._sign[1], sign)
             self._sign[2] = np.where(sign < 0, -1.0, 1.0)
+            self._against[1:] += self._speed_against()[1:]
         if self._settled:
             way = self.speed * dt
         else:
+            before = self.speed[0]
             way = self._follow_all(dt)
+            self.varied += np.abs(self.speed[0] - before)
             self._settled = not self._delayed and bool(
                 np.abs(self.speed - self.goal).max() < ARRIVED)
             self.moving = bool(self.speed.any())
@@ -99,8 +112,7 @@ class Wheels:
             backwards = self._sign * way < 0
             if backwards.any():
                 self.wrong += np.where(backwards, way, 0.0)
-            self.path[0] += abs(right)
-            self.path[1] += abs(left)
+            self.path += np.abs(way[0])
         return right, left
 
     def _follow_all(self, dt: float) -> Array:
@@ -109,10 +121,9 @@ class Wheels:
         while left > 1e-9:
             while self._delayed and self._delayed[0][0] <= 1e-9:
                 _, request = self._delayed.pop(0)
-                self.goal = np.array(request)
-                sign = np.sign(self.goal)
+                self._aim(request)
+                sign = np.sign(request)
                 self._sign[0] = np.where(sign == 0, self._sign[0], sign)
-                self._aim()
             step = min(left, self._delayed[0][0]) if self._delayed else left
             self._delayed = [(delay - step, request) for delay, request in self._delayed]
             way += self._follow(step)
@@ -142,8 +153,12 @@ class Wheels:
     def begin(self) -> None:
         """Measure ways from now on."""
         self.way[:] = self.wrong[:] = 0.0
-        self.path = [0.0, 0.0]
-        self._begun_at = self.speed[0].copy()
+        self.path[:] = self.varied[:] = 0.0
+        self._begun_at, self._against = self.speed[0].copy(), self._speed_against()
+
+    def _speed_against(self) -> Array:
+        """Return the speeds of wheels that run against the sign of their encoders."""
+        return np.where(self._sign[:, 0] * self.speed[0] < 0, self.speed[0], 0.0)
 
     def slopes(self) -> tuple[Array, Array]:
         """Return the derivatives of ways and wrong ways by the five numbers."""
@@ -151,6 +166,7 @@ class Wheels:
         ways[:-1] = (self.way[1:] - self.way[0]) / STEP
         ways[-1] = self._begun_at - self.speed[0]  # all happens later
         wrong[:SIGNS, :-1] = (self.wrong[:, 1:] - self.wrong[:, :1]) / STEP
+        wrong[:SIGNS, -1] = self._against - self._speed_against()
         return ways, wrong
 
     def speed_slopes(self) -> Array:
@@ -161,7 +177,10 @@ class Wheels:
 
 
 def late(numbers: Array, speed: float) -> float:
-    """Return by how many seconds a wheel is late that starts to run at a speed, m/s."""
+    """
+    Return by how many seconds a wheel is late that starts to run at a speed, m/s.
+
+    The error fades within T (v / (a T) is small), or by a ramp (it is large); within 2 % between.
+    """
     lag, power, acceleration, _, dead = (float(each) for each in numbers)
-    lags: float = max(exp(lag) * (REFERENCE / speed) ** power, speed / (2 * exp(acceleration)))
-    return dead + lags
+    return dead + hypot(exp(lag) * (REFERENCE / speed) ** power, speed / (2 * exp(acceleration)))
