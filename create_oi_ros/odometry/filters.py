@@ -68,8 +68,8 @@ class Level(NamedTuple):
     """Part of what is counted with a wrong sign that is not sure."""
 
 
-LEVELS = (Level(0.6, 0.003, 0.0001, 0.006, 0.015, 0.001, 0.2),
-          Level(0.3, 0.05, 0.002, 0.05, 0.05, 0.004, 0.4),
+LEVELS = (Level(0.6, 0.003, 0.0001, 0.006, 0.015, 0.001, 0.1),
+          Level(0.3, 0.05, 0.002, 0.05, 0.05, 0.004, 0.2),
           Level(0.1, 1.0, 0.01, 0.1, 0.2, 0.3, 2.0))
 """Logs of C2 lie between the first two; the third believes only readings (tried: without the first
 three times as far off where wheels follow; a fourth that runs at another speed: no better)."""
@@ -81,7 +81,7 @@ KEEPS = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 0]], bool)
 
 EVEN_WAY = 0.1
 """Metres within which errors of a way add up (a turn of the wheel is 0.2 m)."""
-SLOW, SLOW_PART = 0.026, 0.5
+SLOW, SLOW_PART = 0.026, 1.0
 """m/s below which a request may move nothing (evidence: dead bands to 25 mm/s), and the part of
 its way that is not sure then."""
 SAME = 0.015
@@ -549,7 +549,7 @@ class Filters:
         evidence = whole / (each + 1e-300)
         of_rounding = whole.sum(1, keepdims=True) / each.sum(1, keepdims=True)
         of_source = evidence / (of_rounding + 1e-300)
-        if quick:
+        if quick and not self.wheels.wrong.any():
             of_source[:] = 1.0
         share = IN_A_ROW if quick else OF_ROUNDING
         least = exp(-LEAST_LOG)
