@@ -140,7 +140,7 @@ class GyroSettings(NamedTuple):
     """rad/s at which its output ends."""
 
 
-CERTAIN, FINE, PROMPT = 0.95, 0.01, 0.03
+CERTAIN, FINE, PROMPT = 0.97, 0.01, 0.03
 """When a robot counts as known: least probability of its rounding and of its source of signs (two
 that differ only for a dead time count as one);
 largest deviation of a gain, and of a wheel's delay at 0.2 m/s, s (what a minute teaches)."""

@@ -89,7 +89,7 @@ def test_the_wheels_of_the_likeliest_robot_are_found(found):
     assert known.right_gain.value == pytest.approx(1.0, abs=0.01)
     assert known.left_gain.value == pytest.approx(1.0, abs=0.01)
     assert known.angle_factor.value == pytest.approx(0.258 / 0.262, abs=0.01)
-    assert known.delay(0.2).value == pytest.approx(0.025 + 0.075, abs=0.03)  # coasts 15 mm
+    assert known.delay(0.2).value == pytest.approx(0.025 + 0.075, abs=0.01)  # coasts 15 mm
     assert known.certain
 
 

@@ -42,7 +42,7 @@ def test_a_distance_is_driven(rounding, metres):
     (720, Rounding.CARRY), (720, Rounding.TRUNCATE)])
 def test_an_angle_is_turned(rounding, turn):
     went, turned = reach(met(rounding=rounding), angle(turn))
-    assert turned == pytest.approx(turn, abs=2 + 0.003 * abs(turn))
+    assert turned == pytest.approx(turn, abs=1.5 + 0.003 * abs(turn))
     assert abs(went) < 0.005
 
 
@@ -62,9 +62,9 @@ def test_a_place_is_reached_with_its_heading(x, y, heading):
     loop = met()
     reach(loop, place(x, y, heading))
     pose = loop.body.truth().pose
-    assert hypot(pose.x - x, pose.y - y) < 0.035
+    assert hypot(pose.x - x, pose.y - y) < 0.02
     if heading is not None:
-        assert degrees(turn_difference(pose.yaw, heading * pi / 180)) < 3
+        assert degrees(turn_difference(pose.yaw, heading * pi / 180)) < 2
 
 
 def test_a_robot_that_knows_its_coast_does_not_overshoot():

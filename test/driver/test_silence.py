@@ -75,12 +75,12 @@ def test_what_was_driven_while_frames_were_lost_is_not_what_is_driven_now(
     loop.drive(*speeds, gap)
     loop.cut = False
     loop.drive(*speeds, still)
-    most = [each + 0.2 for each in off()]
+    most = [each + 0.15 for each in off()]
     for _ in range(6):
         loop.drive(-speeds[0], -speeds[1], 0.1)
         assert all(now < limit for now, limit in zip(off(), most, strict=True))
     loop.drive(0.0, 0.0, 1.0)
-    assert off() == pytest.approx((0.0, 0.0), abs=0.15)
+    assert off() == pytest.approx((0.0, 0.0), abs=0.1)
 
 
 # Frames that come late, as on a busy computer, say what was: the driver must not act on it.
