@@ -41,9 +41,9 @@ GAIN, GAIN_TOGETHER, COUNTED = 0.02 ** 0.5, 0.012 ** 0.5, 0.0005 ** 0.5
 """Deviations of a gain, of what both have in common, of u (evidence: C1 0.95 to 1.05, C2 0.73 to
 1.37; a track of 250 to 266 mm)."""
 CHANCES, SIGN_CHANCES = np.array([2.0, 0.0, 0.0]), np.array([1.0, 0.0, 0.0, 2.0])
-"""ln of how much likelier a rounding is (evidence: two reports that C1 truncates; tried: with 3 one
-that carries is known too late), and a source of signs (evidence: C2's drive; tried: to believe in
-the motion at first does least harm)."""
+"""ln of how much likelier a rounding is (evidence: two reports that C1 truncates; tried: 3 is too
+much for robots that carry), and a source of signs (evidence: C2's drive; tried: to believe in the
+motion at first does least harm)."""
 UNLEARNED = 1e-3
 """Least probability of what a file rules out, so that another robot is learned."""
 STALE = 1.5
