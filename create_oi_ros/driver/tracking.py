@@ -220,7 +220,8 @@ class Tracking:
             dt=dt, right=right, left=left,
             mover=self._mover(readings, speeds),
             lifted=bool(drops & LIFTED),
-            lost=self.clock.gap or self._reading_dropped or has_distance and not measured,
+            lost=(self.clock.gap and self.odometry.reading_asked or self._reading_dropped
+                  or has_distance and not measured),
             distance=readings.distance if measured else None,
             angle=readings.angle if measured else None)
         if self._core.settings.gyro is not None:

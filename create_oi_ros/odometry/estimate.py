@@ -60,7 +60,7 @@ class Increment(NamedTuple):
     lifted: bool = False
     """Whether a drive wheel hangs down: wheels may turn then, but nothing moves."""
     lost: bool = False
-    """Whether a frame before this one, or a reading in this one, may have been lost."""
+    """Whether a reading before this frame, or in it, may have been lost."""
     analog: float | None = None
     """Volts at the analog input (packet 33); None: not known, or no gyro is there."""
     bumped: bool = False

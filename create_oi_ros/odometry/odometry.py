@@ -73,6 +73,11 @@ class Odometry:
         return self._plan.due
 
     @property
+    def reading_asked(self) -> bool:
+        """Whether an answer with distance and angle may be on its way."""
+        return self._plan.asked
+
+    @property
     def gyro(self) -> GyroState | None:
         """What is thought of the gyro; None: there is none."""
         return None if self._gyro is None else self._gyro.state

@@ -40,6 +40,11 @@ class ReadingPlan:
         self._request: Speeds = (0.0, 0.0)
         self._near: Speeds = (0.0, 0.0)
 
+    @property
+    def asked(self) -> bool:
+        """Whether an answer may be on its way."""
+        return self.due or self._pause > 0
+
     def hurry(self) -> None:
         """Ask soon."""
         self._age = 1e3

@@ -38,7 +38,7 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
     loop.run(2.0)
     assert loop.driver.state.activity is Activity.IDLE
     assert loop.body.truth().speed == 0
-    loop.drive(0.2, 0.0, 1.0)
+    loop.drive(0.2, 0.0, 1.5)
     assert loop.body.truth().speed > 0.1
     assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.01)
 

@@ -41,6 +41,13 @@ def ports(ros2):
     return ros2.stage.robot('one').link, ros2.stage.robot('two').link
 
 
+@pytest.fixture(autouse=True)
+def killed(ros2):
+    """Let a test that fails leave nothing that runs, and takes a port, to the next one."""
+    yield
+    ros2.kill_launches()
+
+
 def at(port: Path, words: Sequence[str]) -> list[str]:
     """Return a documented launch for this port."""
     return [word.replace('PORT', str(port)) for word in words]

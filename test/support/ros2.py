@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 import yaml
 
+from support.processes import kill_marked
 from support.ros import Program, Scene, scene, TIMEOUT
 from support.source import ROOT
 
@@ -103,6 +104,10 @@ class Launch:
         self._program.type('\x03')
         assert self.ended() == 0, self.output
 
+    def kill(self) -> None:
+        """End it, and all that it started, at once."""
+        kill_marked(self._program.mark)
+
     def ended(self) -> int:
         """Wait for its end, and that of all that it started; return its exit code."""
         code = self._program.ended()
@@ -116,6 +121,7 @@ class Ros2:
 
     def __init__(self, stage: Scene, stand_ins: Path) -> None:
         self.stage, self._stand_ins = stage, stand_ins
+        self._launches: list[Launch] = []
 
     def start(self, *words: str, terminal: bool = False) -> Program:
         """Start `ros2` with these words."""
@@ -132,12 +138,22 @@ class Ros2:
         def good() -> bool:
             ran.append(self.start(*words))
             return ran[-1].ended() == 0 and bool(shows(ran[-1].output))
-        self.stage.ros.until(good, ' '.join(words))
+        try:
+            self.stage.ros.until(good, ' '.join(words))
+        except AssertionError as error:
+            raise AssertionError(f'{error}; it printed\n{ran[-1].output}') from None
         return ran[-1].output
 
     def launch(self, *words: str) -> Launch:
         """Start `ros2 launch`."""
-        return Launch(self.start('launch', *words, terminal=True), self.stage, self._stand_ins)
+        self._launches.append(
+            Launch(self.start('launch', *words, terminal=True), self.stage, self._stand_ins))
+        return self._launches[-1]
+
+    def kill_launches(self) -> None:
+        """Kill what a test that failed has left."""
+        while self._launches:
+            self._launches.pop().kill()
 
 
 @contextmanager
