@@ -192,7 +192,7 @@ def test_a_gyro_is_published_by_rep_145_once_it_follows_the_wheels(stage):
     heard = stage.ros.listen(Imu, 'imu/data')
     odom = stage.ros.listen(Odometry, 'odom')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
-    stage.ros.until(lambda: in_mode(modes, Mode.SAFE))
+    stage.ros.until(lambda: in_mode(modes, Mode.SAFE) and len(odom) > 250, 'its zero, at rest')
     cmd_vel = stage.ros.node.create_publisher(Twist, 'cmd_vel', 10)
     began = robot.body.truth().turned
 
