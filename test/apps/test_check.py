@@ -145,7 +145,7 @@ def test_a_banner_is_told_from_frames():
 
 
 def test_ctrl_c_stops_the_wheels(tmp_path):
-    with taught(tmp_path) as (port, control):
+    with taught(tmp_path, '--guess', 'dead_band=0') as (port, control):
         program = subprocess.Popen(
             [sys.executable, '-c', PROGRAMS['create_check'], '--yes', '-o',
              tmp_path / 'robot.yaml', '--capture', tmp_path / 'all.capture', port],

@@ -464,7 +464,7 @@ def test_a_way_through_a_wall_is_red_and_a_cancel_is_no_error(stage, robot, show
         const canvas = document.getElementById('map-canvas');
         const metre = {90 * scale} * devicePixelRatio;
         const x = canvas.width / 2 + 0.825 * metre, y = canvas.height / 2 + 0.45 * metre;
-        const around = canvas.getContext('2d').getImageData(x - 5, y - 5, 11, 11).data;
+        const around = canvas.getContext('2d').getImageData(x - 15, y - 15, 31, 31).data;
         return around.some((red, i) => i % 4 === 0 && red > 150 && around[i + 1] < 80);
     }})()""")
     page.page.get_by_role('button', name='Clear').click()
