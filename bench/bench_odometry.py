@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-How good the odometry is: `python bench/bench_odometry.py`, six minutes, one table.
+How good the odometry is: `python bench/bench_odometry.py`, three minutes, one table.
 
 Robots are drawn at random from what was measured and reported of real ones (`robots`), or do not
 do what they are asked (`odometry_rig`). Each drives for a while in one of five ways (`drives`),
