@@ -107,7 +107,9 @@ def test_the_wheels_stop_when_the_server_ends_or_is_killed(stage, pages, end, ti
     web.send(end)
     if end is signal.SIGTERM:
         assert web.ended() == 0
-        assert page.closed() == aiohttp.WSCloseCode.GOING_AWAY
+        # A command that was on its way may break the connection before the page has read why.
+        assert page.closed() in (
+            aiohttp.WSCloseCode.GOING_AWAY, aiohttp.WSCloseCode.ABNORMAL_CLOSURE)
     stops_in_time(stage.ros, robot)
     assert 'Traceback' not in web.output
 
