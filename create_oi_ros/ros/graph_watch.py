@@ -37,7 +37,7 @@ class GraphWatch:
         self._warn = warn
         self._warned: set[str] = set()
         self._drivers = 0
-        """Publishers of `mode`, ours among them."""
+        """Nodes with our name, or publishers of `mode`, ours among them."""
         self._modes: dict[str, Subscription | None] = {}
         """Subscriptions to other drivers, by the names of their topics `mode`; None: refused."""
         self._base_frames: dict[str, str] = {}
@@ -61,7 +61,9 @@ class GraphWatch:
         for warning in sorted(warnings - self._warned):
             self._warn(warning)
         self._warned = warnings
-        before, self._drivers = self._drivers, self._node.count_publishers(topics.MODE.name)
+        # A name may be seen a look before its publishers, and both may be gone at the next one.
+        before, self._drivers = self._drivers, max(
+            names.count(own), self._node.count_publishers(topics.MODE.name))
         return self._drivers < before
 
     def _wrong_types(self) -> Iterator[str]:
