@@ -19,7 +19,7 @@ import pytest
 from create_oi_ros.link import dead_man_process
 from create_oi_ros.link.dead_man import DeadMan, END_SIGNALS
 from create_oi_ros.link.dead_man_process import GOODBYE, watch
-from support.processes import dead_men
+from support.processes import dead_man, dead_men
 
 WORDS = b'stop now'
 
@@ -177,7 +177,7 @@ def test_a_line_with_little_room_gets_each_byte_once(blocking):
 
 def test_what_ends_its_parent_politely_does_not_reach_it(guarded):
     guard, reading = guarded
-    pid, = dead_men()
+    pid = dead_man()
     assert os.getsid(pid) == pid, 'the keys of a terminal do not reach it'
     for number in END_SIGNALS:
         os.kill(pid, number)

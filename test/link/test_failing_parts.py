@@ -5,6 +5,7 @@
 from contextlib import suppress
 import inspect
 import threading
+import time
 
 import pytest
 
@@ -92,11 +93,13 @@ class LoopPort:
         assert self.reached.wait(TIMEOUT)
 
     def read(self) -> bytes:
-        """Let a step of time pass; return what the robot says."""
-        self.loop.now += STEP + self.asleep
-        self.asleep = 0.0
+        """Let a step of time pass, unless it is time to wait; return what the robot says."""
         if self.loop.now > self.until:
             self.reached.set()
+            time.sleep(1e-3)
+            return b''
+        self.loop.now += STEP + self.asleep
+        self.asleep = 0.0
         self.loop.robot.poll(self.loop.now)
         return self.loop.robot.data_to_send()
 

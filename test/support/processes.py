@@ -6,6 +6,7 @@ from contextlib import suppress
 import os
 from pathlib import Path
 import signal
+import time
 
 MARK = 'CREATE_OI_TEST_PROGRAM'
 """Environment variable by which the processes of a test's program are found."""
@@ -35,3 +36,11 @@ def dead_men() -> list[int]:
     children = ' '.join(each.read_text() for each in Path('/proc/self/task').glob('*/children'))
     return [int(child) for child in children.split()
             if 'dead_man_process' in Path(f'/proc/{child}/cmdline').read_text()]
+
+
+def dead_man() -> int:
+    """Return the one process that watches; the kernel may list none for a moment."""
+    while not (found := dead_men()):
+        time.sleep(0.01)
+    only, = found
+    return only
