@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a frame is taken for: the edges of what a reading can be, and its time stamp."""
 
+from itertools import groupby
 from random import Random
 
 from hypothesis import given
@@ -9,11 +10,14 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver import Driver, Settings, Severity
 from create_oi_ros.driver.frame_clock import FrameClock, MIN_STEP
 from create_oi_ros.driver.stream import ALL
 from create_oi_ros.driver.tracking import ODD_FRAMES, POSSIBLE
 from create_oi_ros.oi import SLOT
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.world import shipped
 from support.loop import Loop, said, texts
 
 
@@ -201,3 +205,26 @@ def test_a_frame_that_was_damaged_is_counted():
         _, dt = clock.stamp(slot * SLOT, 0.0, lost=slot == 50)
         durations.append(round(dt / SLOT))
     assert durations == [2] + 29 * [1]
+
+
+def test_each_question_for_distance_and_angle_brings_one_frame_of_them():
+    # A second one a frame later would cost another fraction of a unit. The host is woken by
+    # frames, up to 0.2 ms early or late.
+    random, robot, driver = Random(7), Create(Body(shipped('empty'))), Driver(Settings())
+    driver.connected(100.0)
+    reader, asked = oi.StreamReader(driver.plan.lists), []
+    for slot in range(2000):
+        at = 100.0 + slot * SLOT
+        robot.poll(at)
+        heard = robot.data_to_send()
+        reader.feed(heard)
+        while (event := reader.next_event()) is not None:
+            asked.append(isinstance(event, oi.Frame) and 'distance' in event.packets.names)
+        now = at + 0.01 + random.uniform(-2e-4, 2e-4)
+        driver.receive(heard, now)
+        if slot % 5 == 0:
+            driver.drive(0.2, 0.3, now)
+        driver.poll(now)
+        robot.receive(driver.data_to_send(), at + 0.014)
+    rows = [len(list(row)) for motion, row in groupby(asked[10:]) if motion]
+    assert len(rows) > 10 and set(rows) == {1}
