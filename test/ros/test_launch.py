@@ -59,8 +59,13 @@ def parameters(ros2: Ros2, node: str) -> dict[str, object]:
 
 
 def wait_for_nodes(ros2: Ros2, *names: str) -> None:
-    """Wait until the graph has these nodes, and no other but that of the test."""
-    ros2.run('node', 'list', shows=lambda shown: {*shown.split()} == {*names, '/listener'})
+    """
+    Wait until the graph has these nodes, and no other but that of the test.
+
+    The daemon may show one that has ended beside one of its name, and warn of it.
+    """
+    ros2.run('node', 'list', shows=lambda shown: {
+        line for line in shown.splitlines() if line.startswith('/')} == {*names, '/listener'})
 
 
 def port_of(namespace: str, domain: int) -> Path:
