@@ -34,7 +34,7 @@ READY := .venv/ready
 TESTS := .venv/ready_for_tests
 BUILT := install/built
 MUTANTS := build/mutants/ready
-PYTEST := python -m pytest -n 3 --dist loadfile --no-loadscope-reorder --max-worker-restart 0
+PYTEST := python -m pytest -n 4 --dist loadfile --no-loadscope-reorder --max-worker-restart 0
 ENTER := source ./env.sh &&
 
 help: ; @sed -n 's/^#   make/make/p' Makefile
