@@ -198,7 +198,7 @@ def test_leds_are_set_and_the_odometry_is_reset(shared, pages):
     lights = robot.create.lights
     shared.ros.until(lambda: (lights.bits, lights.color, lights.intensity) == (
         LedBits.PLAY, 200, 100))
-    page.drive(0.1, 0.0, lambda: len(page.known['track']) > 2)  # too little to be seen as a jump
+    page.drive(0.05, 0.0, lambda: len(page.known['track']) > 2)  # too little to be seen as a jump
     page.send('release')
     page.until(lambda: page.known['pose']['speed'] == 0)
     assert page.known['pose']['x'] < 0.1
