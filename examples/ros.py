@@ -9,6 +9,7 @@ What the command ros2 does, by rclpy: list, echo a topic, call a service, set a 
     python examples/ros.py set /create cmd_vel_timeout 1.0
 """
 import argparse
+from collections.abc import Callable
 import importlib
 import signal
 import sys
@@ -28,15 +29,22 @@ import yaml
 from create_oi_ros.ros.messages import filled
 from create_oi_ros.ros.waiting import say_if_waiting, waits_for
 
-WAIT = 3.0
-"""Seconds in which others are found, and answer."""
+WAIT, LONGEST_WAIT = 3.0, 10.0
+"""Seconds in which most others are found, and answer; on a busy computer."""
 
 
 def found(node: Node, services: bool) -> dict[str, str]:
-    """Return the topics or services with their types."""
-    time.sleep(WAIT)
+    """Return the topics or services that are known now, with their types."""
     both = node.get_service_names_and_types() if services else node.get_topic_names_and_types()
     return {name: types[0] for name, types in both}
+
+
+def awaited(look: Callable[[], Any]) -> Any:
+    """Look until something is found; return what was seen last."""
+    until = time.monotonic() + LONGEST_WAIT
+    while not (seen := look()) and time.monotonic() < until:
+        time.sleep(0.1)
+    return seen
 
 
 def imported(kind: str) -> Any:
@@ -88,13 +96,14 @@ def main() -> None:
     node = rclpy.create_node('ros')
     match given.what, given.names:
         case 'list', []:
+            time.sleep(WAIT)
             for services in (False, True):
                 for name, kind in sorted(found(node, services).items()):
                     print(f'{name:40s} {kind}')
         case 'echo', [topic]:
             topic = node.resolve_topic_name(topic)
-            kind = found(node, False).get(topic)
-            if kind is None:
+            offers = awaited(lambda: node.get_publishers_info_by_topic(topic))
+            if not offers:
                 parser.error(f'nobody publishes {topic}: see list')
             came: list[Any] = []
 
@@ -102,8 +111,8 @@ def main() -> None:
                 came[:] = [message]
                 show(message)
                 print('---', flush=True)
-            offered = node.get_publishers_info_by_topic(topic)[0].qos_profile
-            node.create_subscription(imported(kind), topic, echo, QoSProfile(
+            offered = offers[0].qos_profile
+            node.create_subscription(imported(offers[0].topic_type), topic, echo, QoSProfile(
                 depth=10, reliability=offered.reliability, durability=offered.durability))
             say_if_waiting(node, topic, lambda: not came, lambda why: print(why, file=sys.stderr))
             # Ctrl-C is only noted from here on: an exception could come amid a message.
@@ -113,14 +122,16 @@ def main() -> None:
                 rclpy.spin_once(node, timeout_sec=0.1)
         case 'call', [service, *fields]:
             service = node.resolve_service_name(service)
-            kind = found(node, True).get(service)
+            kind = awaited(lambda: found(node, True).get(service))
             if kind is None:
                 parser.error(f'nobody offers {service}: see list')
             try:
                 request = request_of(kind, ' '.join(fields))
             except ValueError as error:
                 parser.error(str(error))
-            show(answer(node, node.create_client(imported(kind), service).call_async(request)))
+            client = node.create_client(imported(kind), service)
+            client.wait_for_service(WAIT)
+            show(answer(node, client.call_async(request)))
         case 'set', [name, parameter, value]:
             client = AsyncParameterClient(node, name)
             if not client.wait_for_services(WAIT):
