@@ -60,11 +60,11 @@ def parameters(ros2: Ros2, node: str) -> dict[str, object]:
 
 def wait_for_nodes(ros2: Ros2, *names: str) -> None:
     """Wait until the graph has these nodes, and no other but that of the test."""
-    wanted = {*names, '/listener'}
+    wanted = sorted([*names, '/listener'])
 
     def wanted_only(shown: str) -> bool:
-        found = {line for line in shown.splitlines() if line.startswith('/')}
-        if found > wanted:  # the daemon may keep for ever what has ended
+        found = sorted(line for line in shown.splitlines() if line.startswith('/'))
+        if found != wanted and {*found} >= {*wanted}:  # the daemon may keep what has ended
             ros2.run('daemon', 'stop')
         return found == wanted
     ros2.run('node', 'list', shows=wanted_only)

@@ -40,7 +40,8 @@ def dead_men() -> list[int]:
 
 def dead_man() -> int:
     """Return the one process that watches; the kernel may list none for a moment."""
-    while not (found := dead_men()):
+    until = time.monotonic() + 30.0
+    while len(found := dead_men()) != 1 and time.monotonic() < until:
         time.sleep(0.01)
     only, = found
     return only
