@@ -130,8 +130,7 @@ class Driver:
         if self.state.activity is Activity.CLOSED:
             return
         self._connection.check_standstill(now)
-        while self._unchecked:
-            self._check_frame(self._unchecked.popleft(), now)
+        self._check_frames(now)
         self._connection.check_silence(now)
         self.modes.poll(now)
         self.songs.poll(now)
@@ -271,6 +270,7 @@ class Driver:
         answers = connection.take_answer(frame.packets, now)
         if frame.packets in QUESTIONS:
             if answers and self.state.answered:
+                self._check_frames(now)  # speeds go on from those that were reported before
                 self._send_again()
             return
         moved = self._tracking.take(frame, connection.baud, now)
@@ -312,6 +312,11 @@ class Driver:
             self.outputs.restore()
         else:
             self.core.handle(StateEvent.MODE_LEFT)
+
+    def _check_frames(self, now: float) -> None:
+        """Check the frames that were not checked yet."""
+        while self._unchecked:
+            self._check_frame(self._unchecked.popleft(), now)
 
     def _check_frame(self, moved: Moved, now: float) -> None:
         """React to what a frame says about mode, commands, line and battery."""

@@ -193,8 +193,14 @@ class Motion:
         self._wanted = self._speeds = STOPPED
 
     def resume(self) -> None:
-        """Send speeds again, on from those that the robot reports: it may have missed some."""
-        self._speeds = WheelSpeeds(*(self._reported or STOPPED))
+        """
+        Send speeds again: the robot may have missed some, so on from those that it reports.
+
+        The newest may be on their way yet. Wheels that were told to stand do not brake gently.
+        """
+        if self._speeds != STOPPED:
+            reported = WheelSpeeds(*(self._reported or STOPPED))
+            self._speeds = next_speeds(reported, self._speeds, RAMP_STEP, self._core.limits)
         self.missed_since = None
         self.send_again()
 

@@ -13,7 +13,7 @@ from random import Random
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver import MotionLimits, Settings, Severity
 from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, WAKE_UP
 from create_oi_ros.sim.firmware import Create
@@ -27,9 +27,9 @@ QUEUES = (0, 40, 135, 256, 341, 343, 345, 1000)
 """Sizes of the robot's queue; some are full in the middle of what the driver sends."""
 
 
-def waiting(tenths: int, **guesses: object) -> Loop:
+def waiting(tenths: int, settings: Settings | None = None, **guesses: object) -> Loop:
     """Return a robot that drives, and then waits as if damaged bytes had told it to."""
-    loop = Loop()
+    loop = Loop(settings)
     loop.robot.guesses = replace(loop.robot.guesses, **guesses)
     loop.run(0.5)
     loop.drive(0.2, 0.0, 1.0)
@@ -104,6 +104,32 @@ def test_of_stops_while_the_robot_waits_two_are_sent_and_hold_after_it(queue):
     assert not loop.robot.waiting
     assert loop.body.truth().speed == 0
     assert not loop.driver.health(loop.now).suspects_commands
+
+
+@pytest.mark.parametrize('queue', [0, 256])
+@pytest.mark.parametrize('tenths', [5, 9, 20])
+def test_a_stop_is_not_gentle_where_the_robot_waits(queue, tenths):
+    limits = MotionLimits(linear_acceleration=0.1)
+    loop = waiting(tenths, Settings(limits=limits), wait_queue=queue)
+    loop.drive(0.2, 0.0, 0.4)
+    loop.commands()
+    loop.driver.stop(loop.now)
+    loop.run(3.5)
+    assert {each.right for each in loop.commands() if isinstance(each, oi.DriveDirect)} == {0}
+
+
+@pytest.mark.parametrize('phase', range(8))
+def test_after_a_silence_a_robot_goes_on_to_speed_up_from_where_it_was(phase):
+    loop = Loop(Settings(limits=MotionLimits(linear_acceleration=0.05)), delay=0.01)
+    loop.run(0.5)
+    loop.drive(0.4, 0.0, 1.0 + 0.05 * phase)
+    loop.lost_down = True
+    loop.drive(0.4, 0.0, 0.8)
+    loop.commands()
+    loop.lost_down = False
+    loop.drive(0.4, 0.0, 1.0)
+    sent = [each.right for each in loop.commands() if isinstance(each, oi.DriveDirect)]
+    assert sent == sorted(sent) and sent[-1] > sent[0]
 
 
 def test_a_wait_from_before_the_driver_started_is_met():
