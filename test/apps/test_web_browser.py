@@ -402,6 +402,7 @@ def test_modes_and_leds_are_set_and_full_only_when_its_button_is_held(stage, rob
     assert robot.create.mode is Mode.SAFE
     full.hover()
     page.mouse.down()
+    page.evaluate("document.body.style.marginTop = '200px'")  # as a banner moves all below it
     page.wait_for_selector('[data-mode=full][aria-pressed=true]')
     page.mouse.up()
     page.locator('#led-advance').check()

@@ -189,6 +189,8 @@ function whenHeld(button, act) {
   let timer = null;
   const begin = event => {
     if (event.repeat || (event.key && event.key !== 'Enter')) return;
+    // A banner may move the button away from a mouse that holds it.
+    if (event.pointerId !== undefined) button.setPointerCapture(event.pointerId);
     timer ??= setTimeout(() => { timer = null; button.classList.remove('holding'); act(); }, HOLD);
     button.classList.add('holding');
   };
