@@ -103,24 +103,6 @@ def _unlike_the_manual(name: str, value: int) -> str:
             f'{"not known" if meant is None else meant} and goes on; please report it')
 
 
-class JumpCheck:
-    """Refuses a distance or an angle that nothing could have made in the time."""
-
-    def __init__(self) -> None:
-        self._since: float | None = None
-
-    def restart(self) -> None:
-        """Forget when the last reading was: the next spans an unknown time."""
-        self._since = None
-
-    def possible(self, readings: oi.Readings, stamp: float) -> bool:
-        """Tell whether a reading can be true that left the robot at `stamp`, s."""
-        elapsed = inf if self._since is None else stamp - self._since
-        self._since = stamp
-        return (abs(readings.distance) <= MAX_SPEED * elapsed * MM_PER_M + DISTANCE_SLACK
-                and abs(readings.angle) <= MAX_TURN_RATE * elapsed + ANGLE_SLACK)
-
-
 REPORT_INTERVAL = 5.0
 """Seconds between two looks at what the odometry has learned."""
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
@@ -144,7 +126,8 @@ class Tracking:
         """What the user was told of the robot, or has told the driver."""
         self._report_at = 0.0
         self.odd = OddValues(core)
-        self._jumps = JumpCheck()
+        self._read_at = -inf
+        """When the newest distance and angle left the robot, s; -inf: frames were missed since."""
         self._reading_dropped = False
         """Whether a frame with distance and angle was dropped since the last one taken."""
         self._unseen = 0.0
@@ -184,7 +167,7 @@ class Tracking:
     def restart(self) -> None:
         """Continue after frames were missed."""
         self.clock.restart()
-        self._jumps.restart()
+        self._read_at = -inf
         self._heard_at = self._stamp
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Moved | None:
@@ -210,7 +193,7 @@ class Tracking:
         """Return what a frame tells the odometry."""
         has_distance = readings.has('distance')
         measured = has_distance and readings.has('angle')
-        if measured and not self._jumps.possible(readings, stamp) and not self.clock.gap:
+        if measured and not self._possible(readings, stamp) and not self.clock.gap:
             self._core.counts.impossible_jumps += 1
             measured = False
         speeds = self._scripts.speeds(readings)
@@ -230,6 +213,12 @@ class Tracking:
                 analog=None if isnan(volts) else volts, bumped=bool(drops & BUMPS))
         self._reading_dropped = False
         return increment
+
+    def _possible(self, readings: oi.Readings, stamp: float) -> bool:
+        """Tell whether anything can have made a distance and an angle in the time."""
+        elapsed, self._read_at = stamp - self._read_at, stamp
+        return (abs(readings.distance) <= MAX_SPEED * elapsed * MM_PER_M + DISTANCE_SLACK
+                and abs(readings.angle) <= MAX_TURN_RATE * elapsed + ANGLE_SLACK)
 
     def _mover(self, readings: oi.Readings, speeds: Speeds | None) -> Mover:
         """Return who moves the robot: in Passive that is a matter of what the driver does."""
