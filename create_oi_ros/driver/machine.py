@@ -181,7 +181,7 @@ class Driver:
             spare_bytes=self.plan.budget.spare, checksum=connection.reader.checksum,
             ignores_commands=self.core.listening.ignores,
             suspects_commands=bool(self.core.listening.doubt),
-            robot=self._tracking.robot, gyro=self._tracking.gyro,
+            robot=self._tracking.robot, gyro=self._tracking.odometry.gyro,
             battery=self._battery.level, charging=charging(readings),
             songs=tuple(sorted(self.songs.defined)))
 

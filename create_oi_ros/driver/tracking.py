@@ -12,7 +12,7 @@ from dataclasses import replace
 from math import inf, isnan, nan
 
 from .. import oi
-from ..odometry import GyroState, Increment, Knowledge, Mover, Odometry
+from ..odometry import Increment, Knowledge, Mover, Odometry
 from ..odometry.estimate import TAUGHT
 from ..oi.readings import ALLOWED
 from ..robot import (
@@ -144,11 +144,6 @@ class Tracking:
         """What was learned of the robot; None before anything was."""
         known = self.odometry.knowledge
         return None if known is None else replace(known, frame_period=self.clock.known_period)
-
-    @property
-    def gyro(self) -> GyroState | None:
-        """What is thought of the gyro; None: there is none."""
-        return self.odometry.gyro
 
     def report_robot(self, now: float) -> None:
         """Report a robot that has become known, or that is another than was thought."""
