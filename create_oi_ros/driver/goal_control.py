@@ -85,7 +85,7 @@ class GoalControl:
         if self._core.state.activity is Activity.HOLDING:
             # A goal is as good as a pause of commands.
             self._core.handle(StateEvent.HALTED)
-        self._goal, goal.given_at = goal, now
+        self._goal = goal
         self._core.handle(StateEvent.GOAL_STARTED)
         if goal.hint:
             self._core.notice(Severity.WARNING, goal.hint)
@@ -135,7 +135,7 @@ class GoalControl:
         goal = self._goal
         assert goal is not None
         if goal.begun_at is None:
-            if now - goal.given_at > MODE_WAIT:
+            if now - goal.view.now > MODE_WAIT:
                 self.finish(self._wrong_mode(), now)
         elif now - goal.begun_at > (goal.allowance or inf):
             self.finish(goal.timed_out(), now)

@@ -164,8 +164,6 @@ class Goal(Pending, ABC):
         check_range('time_allowance', allowance, 's', 0.0)
         self.allowance = allowance
         self._allowed = allowance > 0
-        self.given_at = 0.0
-        """When it was given to the driver, s."""
         self.begun_at: float | None = None
         """When the robot was in its mode and the goal began; None before."""
         self.progress = Progress()
@@ -177,7 +175,7 @@ class Goal(Pending, ABC):
         self.docked = False
         """Whether the robot was on the contacts of a Home Base then."""
         self.view: View
-        """The newest view."""
+        """The newest view; before the goal begins, that from when it was given to the driver."""
         self._orders = self.orders()
 
     def step(self, view: View) -> Order:
