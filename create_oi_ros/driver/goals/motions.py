@@ -30,7 +30,7 @@ MANY_TURNS = 4
 class MotionGoal(DrivingGoal):
     """A motion of one or more legs; each is made when the one before has ended."""
 
-    leg: Leg | None = None
+    leg: Leg
     """The leg that was begun last."""
 
     def __init__(self, allowance: float, direction: int = 0, *, speed: float = MIN_SPEED,
@@ -67,10 +67,9 @@ class MotionGoal(DrivingGoal):
             'max_wheel_speed')
 
     def way(self, seconds: float) -> str:
-        return 'at the start' if self.leg is None else f'after {self.leg.way()}'
+        return f'after {self.leg.way()}'
 
     def done(self) -> str:
-        assert self.leg is not None
         return self.leg.done()
 
 
@@ -161,7 +160,7 @@ class NavigateToPosition(MotionGoal):
         return hypot(x, y), atan2(y, x)
 
     def way(self, seconds: float) -> str:
-        return 'at the start' if self.leg is None else f'{self._to_place()[0]:.2f} m from the goal'
+        return f'{self._to_place()[0]:.2f} m from the goal'
 
     def done(self) -> str:
         at = self.view.estimate
