@@ -102,7 +102,7 @@ class GoalControl:
 
     def taken_over(self, event: StateEvent) -> None:
         """End the goal that runs, if any, after an event that has led out of its activities."""
-        if self._goal is None or self._goal.outcome is not None:
+        if self._goal is None:
             return
         over = Over(*TAKEN_OVER[event]) if event in TAKEN_OVER else Over(
             Code.CLIFF if self._blames(CLIFFS) else Code.MODE,
@@ -217,7 +217,9 @@ class GoalControl:
         self._core.handle(StateEvent.GOAL_ENDED)
 
     def _end(self, goal: Goal, over: Over) -> None:
-        """Tell who waits how a goal ended, and how far it got."""
+        """Tell who waits how a goal ended, and how far it got; the first ending counts."""
+        if goal.outcome is not None:
+            return
         text, how = over.text, 'not started'
         if goal.hint and goal is self._goal:
             text = f'{text} ({goal.hint})'

@@ -267,7 +267,8 @@ def test_what_comes_after_the_end_changes_nothing():
     assert second.code is Code.STOPPED and 'its client has gone' in second.outcome.text
     before = second.outcome
     loop.driver.goals.finish(COMMANDED, loop.now)
-    assert second.outcome is before
+    loop.driver.shut_down(loop.now)
+    assert second.outcome is before and second.code is Code.STOPPED
 
 
 def test_a_stop_always_wins():
