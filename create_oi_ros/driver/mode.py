@@ -61,8 +61,7 @@ def docked(readings: oi.Readings) -> bool:
 class Attempt:
     """How the wanted mode is entered: how often and when it was commanded, and who waits."""
 
-    def __init__(self, mode: oi.Mode) -> None:
-        self.mode = mode
+    def __init__(self) -> None:
         self.tries = 0
         """Commands since the mode was wanted, or entered last; 0: it is not being entered."""
         self.begun_at = self.tried_at = -inf
@@ -76,7 +75,7 @@ class Modes:
     def __init__(self, core: Core, outputs: Outputs) -> None:
         self._core = core
         self._outputs = outputs
-        self._attempt = Attempt(core.status.wanted)
+        self._attempt = Attempt()
         self._before_goal: oi.Mode | None = None
         """The mode from before a goal wanted another; None where none does."""
         self._causes_before: tuple[Cause, ...] = ()
@@ -89,7 +88,7 @@ class Modes:
         """Want a mode from now on; `causes`: why the robot is not in it."""
         status = self._core.status
         self._attempt.request.end(False, 'another request came before the robot answered')
-        self._attempt, self._before_goal = Attempt(mode), None
+        self._attempt, self._before_goal = Attempt(), None
         self._core.set_status(ModeStatus(
             status.actual, mode, status.causes if status.actual is None else causes))
 
@@ -137,14 +136,13 @@ class Modes:
 
     def enter(self, now: float) -> Pending:
         """Tell the robot to enter the wanted mode, and set the outputs that this resets."""
-        attempt = self._attempt
+        attempt, mode = self._attempt, self._core.status.wanted
         attempt.tries, attempt.tried_at = attempt.tries + 1, now
         if attempt.tries == 1:
             attempt.begun_at = now
         self._core.handle(StateEvent.MODE_ENTERED)
-        sent = self._core.outbox.send(
-            MODE_COMMANDS[attempt.mode](), f'robot is in {attempt.mode.name}')
-        if attempt.mode in oi.ACTUATE:
+        sent = self._core.outbox.send(MODE_COMMANDS[mode](), f'robot is in {mode.name}')
+        if mode in oi.ACTUATE:
             self._outputs.restore()
         return sent
 
@@ -222,7 +220,7 @@ class Modes:
         self._core.set_status(ModeStatus(actual, before.wanted, causes))
         if dropped:
             self._mode_left(now)
-        if actual is attempt.mode:
+        if actual is before.wanted:
             attempt.request.end(True, f'robot is in {actual.name}')
 
     def _mode_left(self, now: float) -> None:
@@ -254,7 +252,7 @@ class Modes:
         elif docked(self._core.readings) or status.unknown:
             needs = self.advice()
         attempt.request.end(
-            False, why or f'robot {does} instead of entering {attempt.mode.name}: {needs}')
+            False, why or f'robot {does} instead of entering {status.wanted.name}: {needs}')
 
     # In words.
 
