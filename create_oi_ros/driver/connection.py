@@ -87,8 +87,6 @@ class Connection:
         """Bytes of garbage that had come when the last frame did."""
         self._restarts = False
         """Whether boot text came since the last frame."""
-        self._unanswered: str | None = None
-        """What the user was told of a robot that does not answer; None before."""
         self._too_few: str | None = None
         """What the user was told of a line that carries too few frames; None while it is well."""
         self._counted_from: float | None = None
@@ -107,6 +105,8 @@ class Connection:
         self._rates = cycle((self.baud, *(rate for rate in RATES if rate != self.baud)))
         self._calls = 0
         self._garbage = b''
+        self._unanswered: str | None = None
+        """What the user was told of a robot that does not answer; None before."""
 
     @property
     def problem(self) -> str | None:
@@ -117,7 +117,6 @@ class Connection:
         """Start to call: the port has been opened."""
         self.present_at = min(self.present_at, now)
         self._restart_calls()
-        self._unanswered = None
         self._ran_at = now
         self._call(now, StateEvent.OPENED)
 
@@ -268,7 +267,6 @@ class Connection:
         self._core.outbox.clear(HALT)
         self.reader.flush()
         self._restart_calls()
-        self._unanswered = None
         self._core.handle(StateEvent.NO_ANSWER)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self.stale_until = now + STALE_BYTES_FOR
