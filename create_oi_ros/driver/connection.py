@@ -282,7 +282,6 @@ class Connection:
         self._calls += 1
         if self._searching:
             self.baud = next(self._rates)
-        if self.baud != self.plan.baud:
             self.plan.tune(self.baud)
             self.reader.expect(self.plan.lists)
         stop = b''

@@ -56,7 +56,6 @@ class StreamPlan:
 
     def tune(self, baud: int) -> None:
         """Plan for another baud rate, from the start."""
-        self.baud = baud
         self.asked: oi.PacketList | None = None
         """The list that was asked for last; None where the robot must be asked anew."""
         self._asked_at = 0.0
