@@ -83,8 +83,6 @@ class Connection:
         """When the driver was called last; in no past before the port is open."""
         self.stale_until = -inf
         """Until when bytes that arrive are too old to be used."""
-        self._garbage_before = 0
-        """Bytes of garbage that had come when the last frame did."""
         self._restarts = False
         """Whether boot text came since the last frame."""
         self._too_few: str | None = None
@@ -157,7 +155,6 @@ class Connection:
     def add_frame(self, packets: oi.PacketList, now: float) -> None:
         """Note a verified frame."""
         self.frame_at, self._restarts = now, False
-        self._garbage_before = self._core.counts.garbage_bytes
         self._core.listening.seen(packets.ids)
         if self._core.state.takes_commands:
             self._count_frames(now)
@@ -223,7 +220,7 @@ class Connection:
         if answered:
             self._core.counts.silences += 1
             self._restart_calls()
-            garbage = self._core.counts.garbage_bytes - self._garbage_before
+            garbage = self._core.counts.garbage_bytes - self._core.garbage_before
             why = 'the robot is off, asleep or unplugged'
             if self._restarts:
                 why = RESTARTS

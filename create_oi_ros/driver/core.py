@@ -36,6 +36,8 @@ class Core:
         self.events: deque[DriverEvent] = deque()
         """What has happened, oldest first."""
         self.counts = LinkCounts()
+        self.garbage_before = 0
+        """Bytes of garbage that had come when the newest frame did."""
         self.listening = Listening(self.outbox, self.notice)
         self._follow = follow
         self._mistakes: set[str] = set()

@@ -136,8 +136,6 @@ class Tracking:
         """When the newest frame left the robot, if frames were missed since then, s."""
         self._stamp = nan
         """When the newest frame left it, s."""
-        self._garbage = 0
-        """Bytes of garbage that had come before the newest frame."""
 
     @property
     def robot(self) -> Knowledge | None:
@@ -167,9 +165,10 @@ class Tracking:
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Moved | None:
         """Take a verified frame in; return how the robot moved, None where it is dropped."""
-        garbage, self._garbage = self._garbage, self._core.counts.garbage_bytes
+        core, garbage = self._core, self._core.counts.garbage_bytes
         stamp, dt = self.clock.stamp(
-            now, frame.packets.budget(baud).seconds, lost=garbage != self._garbage)
+            now, frame.packets.budget(baud).seconds, lost=garbage != core.garbage_before)
+        core.garbage_before = garbage
         if self._heard_at is not None:
             self.odometry.interrupted(0.0 if isnan(self._heard_at) else stamp - self._heard_at)
             self._heard_at = None
@@ -179,10 +178,10 @@ class Tracking:
             self._reading_dropped |= 'distance' in frame.packets.names
             return None
         dt, self._unseen = self._unseen, 0.0
-        self._core.counts.frames += 1
-        self._core.readings = self._core.readings.updated(readings)
+        core.counts.frames += 1
+        core.readings = core.readings.updated(readings)
         estimate = self.odometry.update(self._increment(readings, stamp, dt))
-        return Moved(stamp, self._core.readings, estimate, dt, readings)
+        return Moved(stamp, core.readings, estimate, dt, readings)
 
     def _increment(self, readings: oi.Readings, stamp: float, dt: float) -> Increment:
         """Return what a frame tells the odometry."""
