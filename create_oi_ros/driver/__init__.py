@@ -4,7 +4,6 @@
 
 from .events import (
     BatteryLevel,
-    Cause,
     Charging,
     DriverEvent,
     Health,

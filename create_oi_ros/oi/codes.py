@@ -37,15 +37,6 @@ class BaudCode(IntEnum):
         """Bits per second."""
         return int(self.name[1:])
 
-    @classmethod
-    def of_rate(cls, rate: int) -> 'BaudCode':
-        """Return the code of a rate in bits per second; ValueError names the allowed rates."""
-        for code in cls:
-            if code.rate == rate:
-                return code
-        raise ValueError(
-            f'baud rate {rate}; allowed: {", ".join(str(code.rate) for code in cls)}')
-
 
 START_BAUDS = (BaudCode.B57600.rate, BaudCode.B19200.rate)
 """Rates that the robot can start with, the usual one first (manual: Serial Port Settings)."""

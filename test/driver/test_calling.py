@@ -197,7 +197,7 @@ def test_a_robot_that_restarts_and_does_not_answer_is_told_of_after_all(met):
 @pytest.mark.parametrize('robot_baud', RATES)
 def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(robot_baud, opened):
     robot, driver = Create(Body(shipped('empty'))), Driver(Settings(baud=0))
-    rate = oi.Baud(code=oi.BaudCode.of_rate(robot_baud))
+    rate = oi.Baud(code=oi.BaudCode[f'B{robot_baud}'])
     robot.receive(oi.Start().encode() + rate.encode(), 0.0)
     for _ in range(opened):  # each time another list is asked for
         driver.connected(1.0)

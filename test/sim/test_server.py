@@ -133,7 +133,7 @@ def test_a_client_that_drains_and_sets_the_new_rate_at_once(robot: Robot) -> Non
     port, teacher = robot
     with serial.Serial(str(port), 57600, timeout=5) as client:
         for old, new in pairwise((57600, 19200, 38400, 28800, 57600)):
-            client.write(START + SAFE + bytes([129, oi.BaudCode.of_rate(new)]))
+            client.write(START + SAFE + bytes([129, oi.BaudCode[f'B{new}']]))
             termios.tcdrain(client.fileno())
             client.baudrate = new
             teacher.tell(f'wait baud={new}', 'after 0.15')

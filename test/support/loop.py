@@ -50,7 +50,7 @@ class Loop:
         self._down: deque[tuple[float, bytes]] = deque()
         self._has_rate = robot_baud is not None
         if robot_baud is not None:
-            code = oi.BaudCode.of_rate(robot_baud)
+            code = oi.BaudCode[f'B{robot_baud}']
             self.robot.receive(oi.Start().encode() + oi.Baud(code=code).encode(), self.now - 1)
         self.driver.connected(self.now)
 

@@ -3,5 +3,5 @@
 """Goals: motions with an end, which the driver pursues frame by frame. Pure."""
 
 from .docking import Dock, Undock
-from .goal import Code, Goal, Phase, Progress
+from .goal import Code, Goal, Phase
 from .motions import DriveArc, DriveDistance, NavigateToPosition, RotateAngle
