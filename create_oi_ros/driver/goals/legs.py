@@ -16,7 +16,6 @@ each stop. Where a stop left it short or too far, the robot creeps on, or back.
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from math import copysign, cos, degrees, inf, radians, remainder, sin, sqrt, tau
-from typing import NamedTuple
 
 from ...odometry import Estimate
 from ..motion import Velocity
@@ -59,21 +58,6 @@ MAX_CORRECTIONS = 3
 """How often the robot creeps on or back at most."""
 
 
-class Place(NamedTuple):
-    """Where an estimate is on a leg."""
-
-    went: float
-    """Metres of the faster wheel since the estimate before."""
-    pace: float
-    """m/s of that wheel."""
-    variance: float
-    """Variance of the way, m²."""
-    aside: float
-    """Metres left of the line."""
-    off: float
-    """Radians left of the line's direction."""
-
-
 class Leg(ABC):
     """One way, from where the robot is when the leg is made."""
 
@@ -93,6 +77,8 @@ class Leg(ABC):
         self._whole = self._left = way
         self._pace = 0.0
         """m/s of the faster wheel, now."""
+        self._aside = self._off = 0.0
+        """Metres left of the line, and radians left of the line's direction."""
         self._top = min(top, view.limits.max_wheel_speed)
         self.allowed = self._top / top
         """Part of the top speed that `max_wheel_speed` allows."""
@@ -111,10 +97,8 @@ class Leg(ABC):
 
     def step(self, view: View) -> Velocity | Instruction | None:
         """Return the velocity until the next frame, or MEASURE; None: the robot is there."""
-        place = self._locate(view.estimate)
-        self._view, self._left, self._pace = view, self._left - place.went, place.pace
-        self._least = min(self._least, place.variance)
-        self._deviation = sqrt(max(0.0, place.variance - self._least))
+        self._locate(view.estimate)
+        self._view = view
         speed = next(self._speeds, None)
         if not isinstance(speed, float):
             return speed
@@ -122,7 +106,7 @@ class Leg(ABC):
         if self.correcting:  # too short a way to steer
             return velocity
         return velocity._replace(angular=velocity.angular + steering(
-            velocity.linear, place.aside, place.off))
+            velocity.linear, self._aside, self._off))
 
     def seconds(self) -> float:
         """Return how long what is left takes at most, about."""
@@ -142,14 +126,26 @@ class Leg(ABC):
     def done(self) -> str:
         """Say what was done."""
 
-    def _since_last(self, estimate: Estimate) -> tuple[float, float]:
-        """Return metres and rad since the estimate of `_view`, without corrections of before."""
+    def _locate(self, estimate: Estimate) -> None:
+        """Note where an estimate is, after that of `_view`, without corrections of before."""
         (way, turn), (last_way, last_turn) = estimate.trip, self._view.estimate.trip
-        return way - last_way, turn - last_turn
+        turned = turn - last_turn
+        off = self._off + turned / 2
+        along, aside = (way - last_way) * cos(off), (way - last_way) * sin(off)
+        self._off += turned - self._bend(along, turned)  # the line itself may turn
+        self._aside += aside
+        went, self._pace, variance = self._of_wheel(estimate, along, turned)
+        self._left -= went
+        self._least = min(self._least, variance)
+        self._deviation = sqrt(max(0.0, variance - self._least))
 
     @abstractmethod
-    def _locate(self, estimate: Estimate) -> Place:
-        """Return where an estimate is, after that of `_view`."""
+    def _bend(self, along: float, turned: float) -> float:
+        """Return by how many rad the line turns where the robot goes m along it and turns rad."""
+
+    @abstractmethod
+    def _of_wheel(self, at: Estimate, along: float, turned: float) -> tuple[float, float, float]:
+        """Return m of the faster wheel for m along the line and rad; its m/s; variance, m²."""
 
     @abstractmethod
     def _velocity(self, speed: float) -> Velocity:
@@ -231,7 +227,6 @@ class Straight(Leg):
                          view.limits.linear_acceleration, view.straight)
         self.forward = distance > 0
         self._off = remainder(view.estimate.yaw - heading, tau)
-        self._aside = 0.0
 
     def progress(self, phase: Phase | None = None) -> Progress:
         return Progress(distance=abs(self._left), phase=phase)
@@ -242,13 +237,11 @@ class Straight(Leg):
     def done(self) -> str:
         return f'drove {self._whole - self._left:.3f} m'
 
-    def _locate(self, estimate: Estimate) -> Place:
-        went, turned = self._since_last(estimate)
-        off = self._off + turned / 2
-        self._off += turned
-        self._aside += went * sin(off)
-        return Place(went * cos(off), estimate.linear, estimate.trip_variance[0], self._aside,
-                     self._off)
+    def _bend(self, along: float, turned: float) -> float:
+        return 0.0
+
+    def _of_wheel(self, at: Estimate, along: float, turned: float) -> tuple[float, float, float]:
+        return along, at.linear, at.trip_variance[0]
 
     def _velocity(self, speed: float) -> Velocity:
         return Velocity(speed, 0.0)
@@ -280,8 +273,6 @@ class Arc(Leg):
         self._radius = radius
         self._side = direction * copysign(1.0, angle)
         """1 where the circle's centre is on the robot's left, -1 on its right."""
-        self._out = self._off = 0.0
-        """Metres beyond the circle, and rad left of its tangent."""
 
     @property
     def _turned(self) -> float:
@@ -297,17 +288,14 @@ class Arc(Leg):
         circle = f' on a radius of {self._radius:g} m' if self._radius else ''
         return f'turned by {self._turned:.3f} rad ({degrees(self._turned):.1f} degrees){circle}'
 
-    def _locate(self, estimate: Estimate) -> Place:
-        went, turned = self._since_last(estimate)
-        off = self._off + turned / 2
-        along, radius = went * cos(off), self._radius + self._out
-        # The tangent turns as the robot goes round.
-        round_ = self._side * along / radius if self._radius else turned
-        self._off += turned - round_
-        self._out -= self._side * went * sin(off)
-        return Place(
-            turned * self._reach, estimate.angular * self._reach,
-            estimate.trip_variance[1] * self._reach ** 2, -self._side * self._out, self._off)
+    def _bend(self, along: float, turned: float) -> float:
+        if not self._radius:
+            return turned
+        return self._side * along / (self._radius - self._side * self._aside)
+
+    def _of_wheel(self, at: Estimate, along: float, turned: float) -> tuple[float, float, float]:
+        return (turned * self._reach, at.angular * self._reach,
+                at.trip_variance[1] * self._reach ** 2)
 
     def _velocity(self, speed: float) -> Velocity:
         angular = speed / self._reach
