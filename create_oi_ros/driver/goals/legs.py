@@ -188,7 +188,6 @@ class Leg(ABC):
             if crept > STUCK_TIME:
                 crept, self._creep = 0.0, self._faster()
             yield sign * speed
-        yield 0.0
         yield from self._settle()
         if pace > CREEP / 2:
             self._learned.stopped(pace, ahead - self._left * sign)
@@ -199,11 +198,11 @@ class Leg(ABC):
         while left > self._view.dt / 2:
             left -= self._view.dt
             yield copysign(self._creep, way)
-        yield 0.0
         yield from self._settle()
 
     def _settle(self) -> Iterator[float | Instruction]:
-        """Wait until the robot stands and its place is known."""
+        """Stop, and wait until the robot stands and its place is known."""
+        yield 0.0
         stood, confirmed = 0.0, inf
         while True:
             stood = stood + self._view.dt if abs(self._pace) < STANDSTILL else 0.0
