@@ -44,7 +44,8 @@ class FrameClock:
         """Start with what is known of a slot's length."""
         self._slot = 0
         """Where the newest frame is."""
-        self._stamp = -inf
+        self.newest = -inf
+        """Its stamp, s; -inf before the first."""
         self._begin(known)
 
     def _begin(self, known: Known) -> None:
@@ -111,10 +112,10 @@ class FrameClock:
         # What is below the least duration is taken from later frames.
         self._owed += (slot - self._slot) * self.period
         self._slot = slot
-        self._stamp = max(slot * self.period + self._least, self._stamp + MIN_STEP)
+        self.newest = max(slot * self.period + self._least, self.newest + MIN_STEP)
         duration = max(self._owed, MIN_STEP)
         self._owed -= duration
-        return self._stamp, duration
+        return self.newest, duration
 
     def _learn_period(self) -> None:
         """Take the slope of the lower envelope, little of it while it is short."""

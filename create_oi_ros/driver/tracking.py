@@ -132,10 +132,8 @@ class Tracking:
         """Whether a frame with distance and angle was dropped since the last one taken."""
         self._unseen = 0.0
         """Seconds of the frames that were dropped since then."""
-        self._heard_at: float | None = None
-        """When the newest frame left the robot, if frames were missed since then, s."""
-        self._stamp = nan
-        """When the newest frame left it, s."""
+        self._missed = False
+        """Whether frames were missed since the newest one."""
 
     @property
     def robot(self) -> Knowledge | None:
@@ -161,18 +159,18 @@ class Tracking:
         """Continue after frames were missed."""
         self.clock.restart()
         self._read_at = -inf
-        self._heard_at = self._stamp
+        self._missed = True
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Moved | None:
         """Take a verified frame in; return how the robot moved, None where it is dropped."""
-        core, garbage = self._core, self._core.counts.garbage_bytes
+        core, garbage, before = self._core, self._core.counts.garbage_bytes, self.clock.newest
         stamp, dt = self.clock.stamp(
             now, frame.packets.budget(baud).seconds, lost=garbage != core.garbage_before)
         core.garbage_before = garbage
-        if self._heard_at is not None:
-            self.odometry.interrupted(0.0 if isnan(self._heard_at) else stamp - self._heard_at)
-            self._heard_at = None
-        self._unseen, self._stamp = self._unseen + dt, stamp
+        if self._missed:
+            self.odometry.interrupted(0.0 if before == -inf else stamp - before)
+            self._missed = False
+        self._unseen += dt
         readings = self.odd.corrected(frame.readings)
         if readings is None:
             self._reading_dropped |= 'distance' in frame.packets.names
