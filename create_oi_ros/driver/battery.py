@@ -27,6 +27,8 @@ CHARGE_LIMITS = {BatteryLevel.LOW: 0.2, BatteryLevel.EMPTY: 0.05}
 """Fractions of the capacity below which the battery must be charged soon, or now."""
 FULL_CHARGE = 0.9
 """Fraction of the capacity from which on a charger that waits has filled the battery (guess)."""
+WORDS = {BatteryLevel.LOW: 'low', BatteryLevel.EMPTY: 'nearly empty'}
+"""The levels that are reported, for people."""
 DOES = {LowBatteryAction.DOCK: 'looks for its dock',
         LowBatteryAction.STOP: 'stops and stays in Passive'}
 """What the robot does, in the words of a notice; on its dock it only enters Passive."""
@@ -95,7 +97,8 @@ class Battery:
         before, self.level = self.level, self._find_level(readings, now)
         if self.level > before:
             self._core.notice(
-                Severity.WARNING, f'battery {self.level.text} ({_described(readings)}): charge it')
+                Severity.WARNING,
+                f'battery {WORDS[self.level]} ({_described(readings)}): charge it')
             self._action_due = self._core.settings.low_battery_action is not LowBatteryAction.NONE
             self._refusal = ''
         if self._action_due and self.level is BatteryLevel.EMPTY:
@@ -128,7 +131,7 @@ class Battery:
         outcome = (self._modes.start_demo(oi.DemoNumber.COVER_AND_DOCK)
                    if does == DOES[LowBatteryAction.DOCK] else
                    self._modes.set(oi.Mode.PASSIVE, now, StateEvent.RESTED)).outcome
-        text = f'battery {self.level.text}: the robot {does}'
+        text = f'battery {WORDS[self.level]}: the robot {does}'
         if outcome is None or outcome.ok:
             self._action_due = False
             self._core.notice(Severity.ERROR, f'{text}, as low_battery_action says; charge it')

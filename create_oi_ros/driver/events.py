@@ -34,11 +34,6 @@ class BatteryLevel(IntEnum):
     LOW = 1
     EMPTY = 2
 
-    @property
-    def text(self) -> str:
-        """The level, for people."""
-        return ('fine', 'low', 'nearly empty')[self]
-
 
 class Charging(Enum):
     """What a charger does; the value is the text for people."""
