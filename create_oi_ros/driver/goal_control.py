@@ -8,7 +8,6 @@ DOCKING: an event that leads out of these ends the goal, with the code that belo
 """
 
 from collections.abc import Container
-from math import inf
 
 from .. import oi
 from ..odometry import Estimate
@@ -137,7 +136,7 @@ class GoalControl:
         if goal.begun_at is None:
             if now - goal.view.now > MODE_WAIT:
                 self.finish(self._wrong_mode(), now)
-        elif now - goal.begun_at > (goal.allowance or inf):
+        elif now - goal.begun_at > goal.allowance:
             self.finish(goal.timed_out(), now)
 
     def _view(self, now: float, dt: float, estimate: Estimate, *, measured: bool) -> View:
