@@ -191,7 +191,7 @@ class ModelKeeper:
         """Write what is known now."""
         if self._path is None:
             return Outcome(False, NO_FILE)
-        robot = _known_by(session)
+        robot = session.health().robot
         if robot is None:
             return Outcome(False, NOTHING)
         try:
@@ -203,7 +203,7 @@ class ModelKeeper:
 
     def end(self, session: Session) -> None:
         """Write what was learned, where it is more than the file says."""
-        robot = _known_by(session)
+        robot = session.health().robot
         if self._path is None or robot is None:
             return
         if not robot.certain or robot.readings < TAUGHT:
@@ -214,11 +214,6 @@ class ModelKeeper:
             self._log.info(f'what was learned of the robot is {outcome.text}')
         else:
             self._log.error(outcome.text)
-
-
-def _known_by(session: Session) -> Knowledge | None:
-    with session.request() as (driver, now):
-        return driver.health(now).robot
 
 
 def write_whole(target: Path, content: bytes) -> None:
