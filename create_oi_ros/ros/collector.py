@@ -22,7 +22,7 @@ from rclpy.qos import QoSProfile
 from ..robot import TOP_SPEED
 from .diagnostics import LINK, of_driver, PARAMETERS
 from .messages import charging_name, mode_name, yaw_of
-from .topics import DIAGNOSTICS, PUBLISHED
+from .topics import PUBLISHED
 
 CONTACTS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
             'overcurrent': 'Too much current', 'buttons': 'Button'}
@@ -149,15 +149,11 @@ class Collector:
 
     def take(self, name: str, time: float, message: Any) -> list[Span]:
         """Take a message of a topic; return what begins with it."""
-        if topic_of_all := name == DIAGNOSTICS.name.lstrip('/'):
-            found = of_driver(message, self._namespace)
-            if found is None:
-                return []
-            message = found[1]
+        if name == 'diagnostics':
+            statuses = of_driver(message, self._namespace)
+            return self._diagnose(time, statuses) if statuses else []
         self.newest[name] = message
         kind = name.replace('_', ' ')
-        if topic_of_all:
-            return self._diagnose(time, message)
         if name == 'odom':
             return self._move(time, message)
         if kind in CONTACTS:
@@ -196,6 +192,7 @@ class Collector:
         return spans.change(time, text)
 
     def _diagnose(self, time: float, statuses: Mapping[str, Any]) -> list[Span]:
+        self.newest['diagnostics'] = statuses
         begun: list[Span] = []
         for name, status in statuses.items():
             if name in REPEATED:

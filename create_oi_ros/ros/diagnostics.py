@@ -29,14 +29,7 @@ BATTERY = ('charging_state', 'voltage', 'current', 'battery_temperature')
 TOUCHED = ('bumps_and_wheel_drops', 'overcurrents', 'charging_sources')
 LINK, PARAMETERS = 'serial link', 'parameters'
 """Names of two statuses, for programs that read them."""
-HARDWARE = 'iRobot Create'
-"""Beginning of each hardware id; the port follows, and the namespace where there is one."""
 Values = dict[str, object]
-
-
-def hardware_id(port: str, namespace: str) -> str:
-    """Return what tells one robot from another."""
-    return f'{HARDWARE} at {port}' + (f' ({namespace})' if namespace != '/' else '')
 
 
 def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticStatus:
@@ -212,18 +205,16 @@ def parameters(values: Parameters) -> DiagnosticStatus:
         'version': __version__, **asdict(values)})
 
 
-def of_driver(
-    message: DiagnosticArray, namespace: str,
-) -> tuple[str, dict[str, DiagnosticStatus]] | None:
+def of_driver(message: DiagnosticArray, namespace: str) -> dict[str, DiagnosticStatus]:
     """
-    Return the name of the driver in a namespace, and its statuses by their names without its own.
+    Return the statuses of the driver in a namespace, by their names without its own.
 
-    None for a message of another node: all nodes share the topic.
+    They are none in a message of another node: all nodes share the topic.
     """
     for each in message.status:
         node, _, about = each.name.rpartition(': ')
         if about == LINK and node.rpartition('/')[0] == namespace:
             prefix = f'{node}: '
-            return node, {own.name.removeprefix(prefix): own for own in message.status
-                          if own.name.startswith(prefix)}
-    return None
+            return {own.name.removeprefix(prefix): own for own in message.status
+                    if own.name.startswith(prefix)}
+    return {}

@@ -69,7 +69,9 @@ class CreateNode(Node):
         services.offer(self, self.session, self.model)
         self._actions = Actions(self, self.session, self.parameters, self._stamps)
         self._counts = LinkCounts()
-        self._hardware_id = diagnostics.hardware_id(self.parameters.port, self.get_namespace())
+        namespace = self.get_namespace()
+        self._hardware_id = f'iRobot Create at {self.parameters.port}' + (
+            f' ({namespace})' if namespace != '/' else '')
         self._timer = self.create_timer(  # it does not wait for a simulated clock
             DIAGNOSTICS_PERIOD, self._watch_and_report,
             clock=Clock(clock_type=ClockType.STEADY_TIME))
