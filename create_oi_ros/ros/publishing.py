@@ -144,21 +144,6 @@ class FrameTopic:
         self.publisher.publish(self._message)
 
 
-def check_fill(topic: SensorTopic, fill: Callable[[Any, Readings], None]) -> None:
-    """
-    Fill a message from what its row names, so that a mistake shows when the node starts.
-
-    AttributeError: the message has no such field, or the row lacks a reading; AssertionError: a
-    value has the wrong type.
-    """
-    arrived = Readings(dict.fromkeys((*topic.watch, *topic.needs), 0))
-    try:
-        fill(topic.type(check_fields=True), arrived)
-    except (AttributeError, AssertionError) as error:
-        error.add_note(f'topic {topic.name}: see its row in ros/topics.py, and its function there')
-        raise
-
-
 class SensorFrameTopic(FrameTopic):
     """Publishes a topic that is made from readings: when they change, else when it is told to."""
 
@@ -167,7 +152,6 @@ class SensorFrameTopic(FrameTopic):
         fill = topic.fill
         if topic.type is BatteryState:
             fill = partial(messages.battery_state, charge_known=parameters.charge_known)
-        check_fill(topic, fill)
         super().__init__(node, topic, message, message.header.stamp, fill)
         self.topic = topic
         self._watched = Readings.numbers(*topic.watch)

@@ -30,8 +30,8 @@ from create_oi_ros.driver.stream import ALL
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.publishing import check_fill, FramePublisher, FrameTopic
-from create_oi_ros.ros.topics import ALL_TOPICS, SENSOR_TOPICS, SensorTopic
+from create_oi_ros.ros.publishing import FramePublisher, FrameTopic
+from create_oi_ros.ros.topics import ALL_TOPICS, SENSOR_TOPICS
 from support.ros import Scene
 from tf2_msgs.msg import TFMessage
 
@@ -117,27 +117,10 @@ def test_every_reading_has_its_field(stage):
     assert (overcurrent.driver_0, overcurrent.driver_1) == (False, True)
 
 
-def lit(message, readings):
-    message.lit = readings.buttons != 0
-
-
-def volts(message, readings):
-    message.analog = readings.analog_signal
-
-
-def inputs(message, readings):
-    message.input_0 = bool(readings.digital_inputs)
-
-
-@pytest.mark.parametrize(('type_', 'fill', 'watch', 'error', 'why'), [
-    (Buttons, lit, 'buttons', AttributeError, 'lit'),
-    (CargoBay, inputs, 'analog_signal', AttributeError, 'digital_inputs has not arrived'),
-    (CargoBay, volts, 'analog_signal', AssertionError, "must be of type 'float'")])
-def test_a_wrong_row_of_a_topic_is_refused_when_the_node_starts(type_, fill, watch, error, why):
-    row = SensorTopic(name='new', type=type_, about='', watch=(watch,), fill=fill)
-    with pytest.raises(error, match=why) as refused:
-        check_fill(row, fill)
-    assert 'topic new: see its row' in refused.value.__notes__[0]
+@pytest.mark.parametrize('topic', SENSOR_TOPICS, ids=lambda topic: topic.name)
+def test_a_row_of_a_topic_names_all_readings_that_its_message_is_made_from(topic):
+    arrived = oi.Readings(dict.fromkeys((*topic.watch, *topic.needs), 0))
+    topic.fill(topic.type(check_fields=True), arrived)
 
 
 @pytest.mark.parametrize('topic', SENSOR_TOPICS, ids=lambda topic: topic.name)
