@@ -19,7 +19,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from . import topics
 from .parameters import Parameters
 from .topics import CMD_VEL, type_name
-from .velocity import MODE_TYPE, type_name_of, TYPES, UNNAMED, VelocityInput
+from .velocity import COMMANDS, MODE_TYPE, UNNAMED, VelocityInput
 
 ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
 
@@ -69,17 +69,16 @@ class GraphWatch:
     def _wrong_types(self) -> Iterator[str]:
         found = self._node.get_publishers_info_by_topic(self._topic)
         self._velocity.adapt(found)
-        taken = type_name(self._velocity.type)
-        self.publishers = tuple(sorted({
-            node_name(each) for each in found if type_name_of(each) == taken}))
+        ours = [each for each in found if COMMANDS.get(each.topic_type) is self._velocity.type]
+        self.publishers = tuple(sorted(set(map(node_name, ours))))
         for each in found:
-            if type_name_of(each) != taken and each.node_name != UNNAMED:  # it will have a name
-                yield self._wrong_type(node_name(each), type_name_of(each))
+            if each not in ours and each.node_name != UNNAMED:  # it will have a name
+                yield self._wrong_type(node_name(each), each.topic_type)
 
     def _wrong_type(self, name: str, type_: str) -> str:
-        what = (f'{name} publishes {self._topic} as {type_}, but this driver takes '
-                f'{type_name(self._velocity.type)}: its commands are ignored. ')
-        if type_ not in map(type_name, TYPES['auto']):
+        what = (f'{name} publishes {self._topic} as {type_.replace("/msg/", "/")}, but this '
+                f'driver takes {type_name(self._velocity.type)}: its commands are ignored. ')
+        if type_ not in COMMANDS:
             return f'{what}Change the publisher'
         if self._parameters.cmd_vel_type == 'auto':
             return f'{what}Let all publishers send the same type, or end those of one'

@@ -104,10 +104,10 @@ class VelocityInput:
         subscription stays as it is.
         """
         offered = [type_ for type_ in self._types
-                   if any(type_name_of(each) == type_name(type_) for each in publishers)]
+                   if any(COMMANDS.get(each.topic_type) is type_ for each in publishers)]
         type_ = offered[0] if len(offered) == 1 else self.type
         taken = [each.qos_profile.reliability for each in publishers
-                 if type_name_of(each) == type_name(type_)]
+                 if COMMANDS.get(each.topic_type) is type_]
         reliability = self.reliability
         if ReliabilityPolicy.BEST_EFFORT in taken:
             self._reliable_checks, reliability = 0, ReliabilityPolicy.BEST_EFFORT
@@ -149,11 +149,6 @@ class VelocityInput:
         finally:
             if not self._closing.is_set():
                 self._on_failure()
-
-
-def type_name_of(endpoint: TopicEndpointInfo) -> str:
-    """Return the type of a publisher or subscriber as people write it: geometry_msgs/Twist."""
-    return str(endpoint.topic_type).replace('/msg/', '/')
 
 
 def driver_type(node: Node) -> type | None:
