@@ -10,7 +10,6 @@ So rclpy must not handle signals: it would shut ROS down before the cancel is se
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping
 import sys
-import time
 from types import TracebackType
 from typing import Any, TypeVar
 
@@ -18,19 +17,11 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import ok
 
-from .driver_client import (
-    ACTION_TYPES,
-    DriverClient,
-    Goal,
-    GoalState,
-    LOOK_INTERVAL,
-    Reply,
-    SERVICE_TYPES,
-)
+from .driver_client import ACTION_TYPES, DriverClient, Goal, GoalState, Reply, SERVICE_TYPES
 from .messages import filled
 from .process import end_in_time, stop_signals_as_ctrl_c
 from .programs import INTERRUPTED
-from .waiting import DISCOVERY_TIMEOUT, waits_for
+from .waiting import DISCOVERY_TIMEOUT, say_if_waiting
 
 Result = TypeVar('Result')
 SPIN_INTERVAL = 0.02
@@ -178,17 +169,10 @@ class GoalClient:
 
     async def _answered(self, what: str, work: Coroutine[Any, Any, Result]) -> Result:
         """Wait for an answer of the driver; say once why it may not come."""
-        answer, began, said = asyncio.create_task(work), time.monotonic(), None
-        try:
-            while said is None and not answer.done():
-                await asyncio.wait([answer], timeout=LOOK_INTERVAL)
-                said = None if answer.done() else waits_for(
-                    self.node, what, time.monotonic() - began)
-            if said is not None:
-                print(f'{self._name}: {said}', file=sys.stderr, flush=True)
-            return await answer
-        finally:
-            answer.cancel()
+        answer = asyncio.create_task(work)
+        say_if_waiting(self.node, what, lambda: not answer.done(), lambda why: print(
+            f'{self._name}: {why}', file=sys.stderr, flush=True))
+        return await answer
 
 
 def _message(types: Mapping[str, Any], what: str, name: str, fields: Mapping[str, Any],

@@ -123,7 +123,7 @@ def say_if_waiting(node: Node, what: str, waits: Callable[[], bool],
             say(why)
         if why is not None or not waits():
             node.destroy_timer(timer)
-    timer = node.create_timer(0.5, look)
+    timer = node.create_timer(POLL_INTERVAL, look)
 
 
 def _commands_wait(node: Node) -> str | None:
