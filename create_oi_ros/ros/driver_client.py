@@ -156,13 +156,11 @@ class Goal:
         else:
             self._become(GoalState.UNDER_WAY)
         ended = handle.get_result_async()
-        while not ended.done():
+        while self._driver.offered(self.name):
             with suppress(TimeoutError):
-                await awaited(ended, CHECK_INTERVAL)
-            if not (ended.done() or self._driver.offered(self.name)):
-                return Reply(False, 'the driver has gone')
-        result = ended.result().result
-        return Reply(bool(result.success), str(result.message), result)
+                result = (await awaited(ended, CHECK_INTERVAL)).result
+                return Reply(bool(result.success), str(result.message), result)
+        return Reply(False, 'the driver has gone')
 
     @property
     def _canceled(self) -> bool:
