@@ -125,15 +125,13 @@ class Pace:
 class FrameTopic:
     """Publishes one topic: its message, filled from a frame."""
 
-    def __init__(self, node: Node, topic: Topic, message: Any, stamp: Stamp,
+    def __init__(self, node: Node, topic: Topic, message: Any,
                  fill: Callable[[Any, Any], None]) -> None:
-        """
-        Create the publisher.
-
-        `stamp` is the message's own; `fill` sets its other fields from an estimate or readings.
-        """
+        """Create the publisher; `fill` sets all but the stamp, from an estimate or readings."""
         self.publisher = publisher(node, topic)
-        self._message, self._stamp, self._fill = message, stamp, fill
+        self._message, self._fill = message, fill
+        stamped = message.transforms[0] if topic is topics.TF else message
+        self._stamp: Stamp = stamped.header.stamp
         self.heard = False
         """Whether there are subscribers."""
 
@@ -152,7 +150,7 @@ class SensorFrameTopic(FrameTopic):
         fill = topic.fill
         if topic.type is BatteryState:
             fill = partial(messages.battery_state, charge_known=parameters.charge_known)
-        super().__init__(node, topic, message, message.header.stamp, fill)
+        super().__init__(node, topic, message, fill)
         self.topic = topic
         self._watched = Readings.numbers(*topic.watch)
         self._last: tuple[int, ...] = ()
@@ -188,7 +186,7 @@ class ContactTopic(FrameTopic):
 
     def __init__(self, node: Node, parameters: Parameters) -> None:
         cloud = messages.empty_contacts(parameters.base_frame)
-        super().__init__(node, topics.CONTACTS, cloud, cloud.header.stamp, messages.contacts)
+        super().__init__(node, topics.CONTACTS, cloud, messages.contacts)
         self._contacts = Contacts()
         self._count, self._due_at = 0, -inf
 
@@ -209,19 +207,17 @@ class FramePublisher:
     def __init__(self, node: Node, parameters: Parameters) -> None:
         self.stamps = StampClock(node)
         frames = parameters.odom_frame, parameters.base_frame
-        odom, joints = messages.empty_odometry(*frames), messages.empty_joint_states()
         self._motion = [FrameTopic(
-            node, topics.ODOM, odom, odom.header.stamp, messages.odometry)]
+            node, topics.ODOM, messages.empty_odometry(*frames), messages.odometry)]
         if parameters.publish_tf:
-            moved = messages.empty_transforms(*frames)
             self._motion.append(FrameTopic(
-                node, topics.TF, moved, moved.transforms[0].header.stamp, messages.transforms))
+                node, topics.TF, messages.empty_transforms(*frames), messages.transforms))
         self._motion.append(FrameTopic(
-            node, topics.JOINT_STATES, joints, joints.header.stamp, messages.joint_states))
+            node, topics.JOINT_STATES, messages.empty_joint_states(), messages.joint_states))
         self._imu: FrameTopic | None = None
         if parameters.gyro != 'none':
             imu = messages.empty_imu(parameters.base_frame)
-            self._imu = FrameTopic(node, topics.IMU, imu, imu.header.stamp, messages.imu)
+            self._imu = FrameTopic(node, topics.IMU, imu, messages.imu)
         self._sensors = [SensorFrameTopic(node, topic, parameters)
                          for topic in topics.SENSOR_TOPICS]
         # One pace for all topics of a period; a StateTopic is published on change only.
@@ -236,7 +232,7 @@ class FramePublisher:
         """What is published only where it is heard."""
         if self._imu is not None:
             self._checked.append(self._imu)
-        self._motion_pace, self._check_at = Pace(), -inf
+        self._motion_pace, self._check_pace = Pace(), Pace()
         self._check()
 
     def publish(self, moved: Moved, parameters: Parameters) -> None:
@@ -268,8 +264,7 @@ class FramePublisher:
                             sensor.publish(stamp, moved.readings)
         if self._contacts.heard:
             self._contacts.take(moved, stamp, parameters)
-        if moved.stamp >= self._check_at:  # last, since it takes a while
-            self._check_at = moved.stamp + CHECK_INTERVAL
+        if self._check_pace.due(moved.stamp, CHECK_INTERVAL):  # last, since it takes a while
             self._check()
 
     def repeat(self) -> None:
