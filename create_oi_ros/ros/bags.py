@@ -16,7 +16,7 @@ from pathlib import Path
 import time
 from typing import Any
 
-from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
+from ament_index_python.packages import get_package_share_directory
 from mcap.writer import CompressionType, Writer
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -42,12 +42,9 @@ METADATA_VERSION = 9
 
 
 def definitions() -> Typestore:
-    """Return the message definitions of ROS 2 Jazzy and ours, installed or in the repository."""
+    """Return the message definitions of ROS 2 Jazzy and ours."""
     store = get_typestore(Stores.ROS2_JAZZY)
-    try:
-        share = Path(get_package_share_directory('create_oi_msgs'))
-    except PackageNotFoundError:
-        share = Path(__file__).parents[2] / 'msg_defs'
+    share = Path(get_package_share_directory('create_oi_msgs'))
     for path in sorted(share.glob('msg/*.msg')):
         store.register(get_types_from_msg(path.read_text(), f'create_oi_msgs/msg/{path.stem}'))
     return store
