@@ -40,9 +40,6 @@ GYRO = {'zero': (0.0, 5.0), 'scale': (-1000.0, 1000.0)}
 """All that a file has, beside `readings`: names of `Knowledge`, and ranges. A gyro's are V, and
 degrees a second for each volt."""
 LEAST_SCALE, MOST_DEVIATION, MOST_READINGS, SUM_SLACK = 1.0, 100.0, 10 ** 9, 1e-3
-NO_FILE = ('parameter odometry_model is empty: start the node with '
-           '-p odometry_model:=FILE to have a file')
-NOTHING = 'nothing was learned yet: drive and turn the robot first'
 
 
 class OldModel(Exception):
@@ -190,10 +187,11 @@ class ModelKeeper:
     def save(self, session: Session) -> Outcome:
         """Write what is known now."""
         if self._path is None:
-            return Outcome(False, NO_FILE)
+            return Outcome(False, 'parameter odometry_model is empty: start the node with '
+                           '-p odometry_model:=FILE to have a file')
         robot = session.health().robot
         if robot is None:
-            return Outcome(False, NOTHING)
+            return Outcome(False, 'nothing was learned yet: drive and turn the robot first')
         try:
             write(self._path, robot)
         except OSError as error:
