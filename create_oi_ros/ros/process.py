@@ -79,9 +79,8 @@ def stop_signals_as_ctrl_c() -> Callable[[], None]:
     """Let SIGTERM and SIGHUP do what Ctrl-C does, in the main thread; return what ends that."""
     if threading.current_thread() is not threading.main_thread():
         return lambda: None
-    others = [number for number in STOP_SIGNALS if number is not signal.SIGINT]
     before = {number: signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
-              for number in others}
+              for number in (signal.SIGTERM, signal.SIGHUP)}
 
     def restore() -> None:
         for number, handler in before.items():

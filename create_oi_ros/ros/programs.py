@@ -201,34 +201,28 @@ def log_folder() -> Path:
 
 def explained(error: Exception) -> str | None:
     """Return a sentence about an error that the user can mend; None: it is a bug."""
+    kind, text = type(error).__name__, str(error)  # ROS has no public names for its classes
     match error:
         case UserError():
-            return str(error)
+            return text
         case ModuleNotFoundError():
             return _advice((error.name or '').partition('.')[0])
         case OSError() if error.errno in FULL:
             return f'{_place(error)}{error.strerror}: nothing more can be written'
         case OSError() if error.filename is not None and error.errno in ADVICE:
             return f'{_place(error)}{ADVICE[error.errno]}'
-        case RuntimeError():
-            return _explained_by_ros(error)
+        case RuntimeError() if kind == 'UnknownROSArgsError':
+            return (f'unknown among the ROS arguments: {text}; allowed are -p NAME:=VALUE, '
+                    '--params-file FILE, -r FROM:=TO, --log-level LEVEL')
+        case RuntimeError() if kind == 'RCLInvalidROSArgsError':
+            return _rule(text)
+        case RuntimeError() if kind == 'RCLError' and text.startswith('failed to initialize'):
+            return f'ROS does not start: {text.partition(", at /")[0]}'
     return None
 
 
 def _place(error: OSError) -> str:
     return '' if error.filename is None else f'{os.fsdecode(error.filename)}: '
-
-
-def _explained_by_ros(error: RuntimeError) -> str | None:
-    match type(error).__name__:  # ROS has no public names for these classes
-        case 'UnknownROSArgsError':
-            return (f'unknown among the ROS arguments: {error}; allowed are -p NAME:=VALUE, '
-                    '--params-file FILE, -r FROM:=TO, --log-level LEVEL')
-        case 'RCLInvalidROSArgsError':
-            return _rule(str(error))
-        case 'RCLError' if str(error).startswith('failed to initialize'):
-            return f'ROS does not start: {str(error).partition(", at /")[0]}'
-    return None
 
 
 def _rule(text: str) -> str:
