@@ -7,7 +7,7 @@ These are two drivers of one name, or with the same frames, and commands that th
 get: of another message type, or in another namespace.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
 
@@ -21,20 +21,16 @@ from .parameters import Parameters
 from .topics import CMD_VEL, type_name
 from .velocity import COMMANDS, MODE_TYPE, UNNAMED, VelocityInput
 
-ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
-
 
 class GraphWatch:
     """Warns once for each mistake, and again when it comes back in another form."""
 
-    def __init__(self, node: Node, velocity: VelocityInput, parameters: Parameters,
-                 warn: Callable[[str], None]) -> None:
+    def __init__(self, node: Node, velocity: VelocityInput, parameters: Parameters) -> None:
         """Watch the partners of a node; `velocity` is its subscription, adapted to them."""
         self._node = node
         self._velocity = velocity
         self._parameters = parameters
         self._topic = node.resolve_topic_name(CMD_VEL)
-        self._warn = warn
         self._warned: set[str] = set()
         self._drivers = 0
         """Nodes with our name, or publishers of `mode`, ours among them."""
@@ -57,9 +53,10 @@ class GraphWatch:
         names = self._node.get_fully_qualified_node_names()
         if names.count(own) > 1:
             warnings.add(f'another node is called {own} in ROS domain {domain}, so two '
-                         f'drivers obey the same cmd_vel: {ROBOTS_APART}')
+                         'drivers obey the same cmd_vel: give each robot a namespace, or another '
+                         'ROS_DOMAIN_ID')
         for warning in sorted(warnings - self._warned):
-            self._warn(warning)
+            self._node.get_logger().warning(warning)
         self._warned = warnings
         # A name may be seen a look before its publishers, and both may be gone at the next one.
         before, self._drivers = self._drivers, max(

@@ -103,8 +103,7 @@ class CreateNode(Node):
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         self._commands = VelocityInput(
             self, self.parameters.cmd_vel_type, self._on_velocity, on_failure=self._on_failure)
-        self._graph = GraphWatch(
-            self, self._commands, self.parameters, self.get_logger().warning)
+        self._graph = GraphWatch(self, self._commands, self.parameters)
 
     def start(self) -> None:
         """Open the port, call the robot, and take commands."""
