@@ -32,12 +32,12 @@ from std_msgs.msg import Header
 from ..driver import Driver, goals
 from ..driver.goal_control import CANCELED, CLIENT_GONE
 from ..driver.goals import Code, Goal, Phase
+from ..driver.goals.goal import Over
 from ..driver.songs import Tune
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ..oi.tools.tunes import note_text, parse_tune
-from . import messages
-from .messages import duration, of_yaw, Values, yaw_of
+from .messages import duration, of_yaw, seconds, Values, yaw_of
 from .parameters import Parameters
 from .publishing import StampClock
 from .services import answer, future_of, QUEUE
@@ -84,27 +84,12 @@ def note_played(tune: Tune) -> Values:
             'iterations_played': tune.iterations_played, 'current_runtime': duration(tune.seconds)}
 
 
-def allowance(goal: Any) -> float:
-    """Return the seconds that a goal may take; 0 leaves that to the goal."""
-    return messages.seconds(goal.time_allowance)
-
-
 def tune(request: Any) -> Tune:
     """Return the tune of a request; ValueError says what is wrong."""
     if request.iterations != request.INFINITE and request.iterations < 1:
         raise ValueError(f'iterations = {request.iterations}; allowed: above 0, or '
                          f'{request.INFINITE}, until it is canceled')
     return Tune(parse_tune(request.notes), request.iterations)
-
-
-def cancel_goal(driver: Driver, goal: Goal, now: float, *, gone: bool) -> None:
-    """End a goal, if it has not ended; `gone`: because its client has gone."""
-    driver.goals.cancel(goal, now, CLIENT_GONE if gone else CANCELED)
-
-
-def cancel_tune(driver: Driver, tune: Tune, _now: float, *, gone: bool) -> None:
-    """End a tune, if it has not ended."""
-    driver.songs.cancel(tune, 'its client has gone' if gone else 'canceled')
 
 
 def goal_result(goal: Goal) -> Values:
@@ -134,7 +119,9 @@ class Action:
     start: Callable[[Driver, Any, float], object] = (
         lambda driver, goal, now: driver.goals.start(goal, now))
     """Hands that to the driver, with the time, s."""
-    cancel: Callable[..., None] = cancel_goal
+    cancel: Callable[[Driver, Any, float, Over], object] = (
+        lambda driver, goal, now, why: driver.goals.cancel(goal, now, why))
+    """Ends it, if it has not ended, and says why."""
     feedback: Callable[[Any], Values]
     """Returns the fields of feedback."""
     news: Callable[[Any], object] | None = None
@@ -147,18 +134,18 @@ ACTIONS = (
     Action(
         name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
         make=lambda goal: goals.DriveDistance(
-            goal.distance, goal.max_translation_speed, allowance(goal)),
+            goal.distance, goal.max_translation_speed, seconds(goal.time_allowance)),
         feedback=distance_left),
     Action(
         name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
         make=lambda goal: goals.RotateAngle(
-            goal.angle, goal.max_rotation_speed, allowance(goal)),
+            goal.angle, goal.max_rotation_speed, seconds(goal.time_allowance)),
         feedback=angle_left),
     Action(
         name='drive_arc', type=DriveArc, about='drive on a circle',
         make=lambda goal: goals.DriveArc(
             goal.angle, goal.radius, goal.translate_direction,
-            goal.max_translation_speed, allowance(goal)),
+            goal.max_translation_speed, seconds(goal.time_allowance)),
         feedback=angle_left),
     Action(
         name='navigate_to_position', type=NavigateToPosition,
@@ -166,15 +153,15 @@ ACTIONS = (
         make=lambda goal: goals.NavigateToPosition(
             goal.goal_pose.pose.position.x, goal.goal_pose.pose.position.y,
             yaw_of(goal.goal_pose.pose.orientation) if goal.achieve_goal_heading else None,
-            goal.max_translation_speed, goal.max_rotation_speed, allowance(goal)),
+            goal.max_translation_speed, goal.max_rotation_speed, seconds(goal.time_allowance)),
         feedback=phase_left),
     Action(
         name='dock', type=Dock, about='look for the Home Base and charge there',
-        make=lambda goal: goals.Dock(allowance(goal)), feedback=dock_seen,
+        make=lambda goal: goals.Dock(seconds(goal.time_allowance)), feedback=dock_seen,
         result=lambda goal: {**goal_result(goal), 'is_docked': goal.docked}),
     Action(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
-        make=lambda goal: goals.Undock(allowance(goal)),
+        make=lambda goal: goals.Undock(seconds(goal.time_allowance)),
         feedback=distance_left),
 )
 """The actions that drive the robot."""
@@ -184,7 +171,8 @@ ALL_ACTIONS = (
         name='audio_note_sequence', type=AudioNoteSequence,
         about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)',
         make=tune, start=lambda driver, tune, now: driver.songs.play_tune(tune, now),
-        cancel=cancel_tune, feedback=note_played,
+        cancel=lambda driver, tune, _, why: driver.songs.cancel(tune, why.text),
+        feedback=note_played,
         news=lambda tune: (tune.iterations_played, tune.note), result=tune_result),
 )
 
@@ -222,10 +210,10 @@ class Pursued:
             self.handle.publish_feedback(
                 self.action.type.Feedback(**self.action.feedback(self.started)))
 
-    def cancel(self, session: Session, *, gone: bool = False) -> None:
-        """End what was started, if it has not ended; `gone`: because its client has gone."""
+    def cancel(self, session: Session, why: Over = CANCELED) -> None:
+        """End what was started, if it has not ended."""
         with session.request() as (driver, now):
-            self.action.cancel(driver, self.started, now, gone=gone)
+            self.action.cancel(driver, self.started, now, why)
 
 
 class Actions:
@@ -320,7 +308,7 @@ class Actions:
             service = self._node.resolve_service_name(f'{each.action.name}/_action/send_goal')
             each.unheard = 0 if self._node.count_clients(service) else each.unheard + 1
             if each.unheard >= CLIENT_LOST_CHECKS:
-                each.cancel(self._session, gone=True)
+                each.cancel(self._session, CLIENT_GONE)
 
     # On the session's thread.
 
