@@ -140,7 +140,8 @@ class CreateNode(Node):
                 throttle_duration_sec=CLOCK_WARNING_INTERVAL)
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
-        self.parameters = parameters.changed(self.parameters, changed)
+        self.parameters = replace(self.parameters, **{
+            each.name: each.value for each in changed if each.name in parameters.DECLARED})
         with self.session.request() as (driver, _now):
             driver.set_limits(self.parameters.limits())
 

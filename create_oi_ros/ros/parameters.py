@@ -8,7 +8,7 @@ while the node runs are in its metadata. `declare` declares them to ROS in one l
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from math import isfinite, radians
 from typing import Any
@@ -287,11 +287,6 @@ def check(parameters: list[Parameter]) -> SetParametersResult:
     reasons = [reason for parameter in parameters if parameter.name in DECLARED
                and (reason := refusal(parameter.name, parameter.value))]
     return SetParametersResult(successful=not reasons, reason='; '.join(reasons))
-
-
-def changed(parameters: Parameters, new: list[Parameter]) -> Parameters:
-    """Take over values that were set while the node runs."""
-    return replace(parameters, **{p.name: p.value for p in new if p.name in DECLARED})
 
 
 def refusal(name: str, value: Any) -> str | None:
