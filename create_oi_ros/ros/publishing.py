@@ -152,6 +152,7 @@ class SensorFrameTopic(FrameTopic):
             fill = partial(messages.battery_state, charge_known=parameters.charge_known)
         super().__init__(node, topic, message, fill)
         self.topic = topic
+        self.pace = Pace()
         self._watched = Readings.numbers(*topic.watch)
         self._last: tuple[int, ...] = ()
         self.complete = False
@@ -220,15 +221,10 @@ class FramePublisher:
             self._imu = FrameTopic(node, topics.IMU, imu, messages.imu)
         self._sensors = [SensorFrameTopic(node, topic, parameters)
                          for topic in topics.SENSOR_TOPICS]
-        # One pace for all topics of a period; a StateTopic is published on change only.
-        periods = dict.fromkeys(
-            each.topic.period for each in self._sensors if each.topic.period != inf)
-        self._repeated = [
-            (Pace(), period, [each for each in self._sensors if each.topic.period == period])
-            for period in periods]
+        # A StateTopic is published on change only.
+        self._repeated = [each for each in self._sensors if each.topic.period != inf]
         self._contacts = ContactTopic(node, parameters)
-        self._checked = [*self._motion, self._contacts,
-                         *(each for _, _, sensors in self._repeated for each in sensors)]
+        self._checked = [*self._motion, self._contacts, *self._repeated]
         """What is published only where it is heard."""
         if self._imu is not None:
             self._checked.append(self._imu)
@@ -257,11 +253,11 @@ class FramePublisher:
                         topic.publish(stamp, moved.estimate)
             if self._imu is not None and self._imu.heard and moved.estimate.gyro is not None:
                 self._imu.publish(stamp, moved.estimate)
-            for pace, period, sensors in self._repeated:
-                if pace.due(moved.stamp, period or 1 / parameters.sensor_rate):
-                    for sensor in sensors:
-                        if sensor.heard and sensor.complete and sensor not in changed:
-                            sensor.publish(stamp, moved.readings)
+            for sensor in self._repeated:
+                period = sensor.topic.period or 1 / parameters.sensor_rate
+                if (sensor.pace.due(moved.stamp, period) and sensor.heard and sensor.complete
+                        and sensor not in changed):
+                    sensor.publish(stamp, moved.readings)
         if self._contacts.heard:
             self._contacts.take(moved, stamp, parameters)
         if self._check_pace.due(moved.stamp, CHECK_INTERVAL):  # last, since it takes a while
