@@ -42,8 +42,6 @@ PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run()
             for name in MODULES}
 """Python code that runs a program, for `python -c`; the package need not be installed."""
 OURS = 'create_oi_msgs'
-NEEDED = ('aiohttp', 'numpy', 'serial', 'yaml')
-"""Python modules that may be missing."""
 FOR_BAGS = {'mcap': ((1, 5), (2,)), 'rosbags': ((0, 11), (0, 12))}
 """Libraries without a Debian package: the first version that fits, and the first that may not."""
 NEED_BAGS = ('create_record', 'create_report')
@@ -84,7 +82,7 @@ LONG = {'--param': '-p', '--remap': '-r'}
 PACKAGES = {'serial': 'pyserial', 'yaml': 'pyyaml'}
 """Names of Python modules at pip, where they have another one."""
 PACKAGED = ('aiohttp', 'numpy', 'segno', 'serial', 'yaml')
-"""Modules that Debian and Ubuntu have as a package."""
+"""Modules that may be missing, and that Debian and Ubuntu have as a package."""
 NO_LOGS = 'ROS has no folder for its log files: set HOME, or ROS_LOG_DIR'
 
 
@@ -121,7 +119,7 @@ def _run(program: str) -> int:
 
 def _advice(module: str) -> str | None:
     """Say what to do where a module is missing, as it fits this Python; None: it is ours."""
-    if module in NEEDED:
+    if module in PACKAGED:
         return f'{module} is missing: {installing(module)}'
     if not ROS.fullmatch(module):
         return None

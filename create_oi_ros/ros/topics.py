@@ -26,7 +26,6 @@ from ..oi import Readings
 from . import messages
 
 RELIABLE = QoSProfile(depth=10)
-TRANSFORMS = QoSProfile(depth=100)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """For topics that change rarely: a late subscriber gets the present state."""
 
@@ -94,7 +93,7 @@ ODOM = Topic(
     name='odom', type=Odometry, when='every frame (66.7 Hz), or at `odom_rate`',
     about='pose in `odom_frame`, velocity in `base_frame`, with covariances')
 TF = Topic(
-    name='/tf', type=TFMessage, when='like `odom`, with `publish_tf`', qos=TRANSFORMS,
+    name='/tf', type=TFMessage, when='like `odom`, with `publish_tf`', qos=QoSProfile(depth=100),
     about='`odom_frame` -> `base_frame`; can be remapped')
 JOINT_STATES = Topic(
     name='joint_states', type=JointState, when='like `odom`',
