@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import ctypes
 import faulthandler
-from functools import partial
 import os
 import signal
 import socket
@@ -38,20 +37,6 @@ END_TIME = 10.0
 STDERR = 2
 """Its file descriptor: `sys.stderr` need not have one."""
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-
-
-def end_with_parent(parent: int) -> None:
-    """
-    Have the kernel send SIGTERM when the parent process dies, however it dies (Linux).
-
-    Call it in the child. `parent`: the process id of the parent, taken there.
-    """
-    # Until exec this process has its parent's handlers, which would take the signal and go on.
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-    # The kernel tells nothing of a parent that died before the call.
-    if os.getppid() != parent:
-        os.kill(os.getpid(), signal.SIGTERM)
 
 
 def call_on_signal(end: Callable[[], object]) -> None:
@@ -157,9 +142,18 @@ TERMINATION_TIMEOUT = 1.5
 
 def start(program: str, *arguments: str, stdout: int | None = None) -> subprocess.Popen[bytes]:
     """Start a program that ends with this process; the terminal's Ctrl-C does not reach it."""
+    parent = os.getpid()
+
+    def end_with_parent() -> None:  # Linux sends SIGTERM, however the parent dies
+        # Until exec this process has its parent's handlers, which would take the signal and go on.
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+        # The kernel tells nothing of a parent that died before the call.
+        if os.getppid() != parent:
+            os.kill(os.getpid(), signal.SIGTERM)
     return subprocess.Popen(
         [sys.executable, '-c', PROGRAMS[program], *arguments], stdout=stdout,
-        start_new_session=True, preexec_fn=partial(end_with_parent, os.getpid()))
+        start_new_session=True, preexec_fn=end_with_parent)
 
 
 class Children:
