@@ -106,12 +106,8 @@ class GoalClient:
                              'cancel()')
         accepted = asyncio.Event()
         self._goal = Goal(self._driver, name, request, lambda _: accepted.set())
-
-        async def begin() -> None:
-            assert self._goal is not None
-            self._pursued = asyncio.create_task(self._goal.pursue())
-            await self._answered(f'the action {name}', accepted.wait())
-        self._run(begin())
+        self._pursued = self._runner.get_loop().create_task(self._goal.pursue())
+        self._run(self._answered(f'the action {name}', accepted.wait()))
         if self._goal.state is GoalState.FAILED:
             self.result()
 
