@@ -16,7 +16,6 @@ import pytest
 from create_oi_ros.apps.web.access import BURST, DriverSeat, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
 from create_oi_ros.apps.web.live_robot import BatteryTime, MOST_POINTS, TrackLog
-from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros.collector import FlatPose
 from create_oi_ros.sim.world import shipped
@@ -139,7 +138,7 @@ def test_one_page_drives_and_others_watch_until_they_take_over(shared, pages):
     lambda seat: seat.release(1), lambda seat: seat.leave(1), lambda seat: seat.take_over(2)])
 def test_letting_go_leaving_and_taking_over_stop_the_wheels_at_once_and_once(end):
     seat = DriverSeat()
-    assert seat.drive(1, Velocity(0.2, 0.0), 0.0, 0.0)
+    assert seat.drive(1, 0.0)
     assert end(seat) and not seat.driving
     assert not end(seat)
 

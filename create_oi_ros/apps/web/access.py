@@ -3,9 +3,9 @@
 """
 Who may open the page, how much a page may send, and who drives. Pure: the time is an argument.
 
-One viewer at a time has the driver's seat. A command holds for HOLD seconds, and the page sends
-the next one earlier. So the wheels stop soon after a page is closed, a phone sleeps, or the
-network fails.
+One viewer at a time has the driver's seat. A command holds for a moment, and the page sends the
+next one earlier. So the wheels stop soon after a page is closed, a phone sleeps, or the network
+fails.
 """
 
 from __future__ import annotations
@@ -13,10 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 import hmac
 from ipaddress import ip_address
-from math import inf
 from urllib.parse import urlsplit
 
-from ...driver.motion import Velocity
 from ...robot import TOP_SPEED, WHEEL_SEPARATION
 
 MOST_VIEWERS = 8
@@ -25,8 +23,6 @@ LONGEST_MESSAGE = 4096
 """Bytes of one message from a page."""
 RATE, BURST = 60.0, 120.0
 """Messages a second that a page may send for long, and at once."""
-HOLD = 0.15
-"""Seconds that a command holds."""
 OLDEST_VIEW = 0.5
 """Seconds: a page whose picture is older than this may not drive. It includes the way there."""
 TOP_TURN = TOP_SPEED / (WHEEL_SEPARATION / 2)
@@ -100,17 +96,10 @@ class DriverSeat:
     def __init__(self) -> None:
         self.viewer: int | None = None
         """Who has the seat."""
-        self.velocity = Velocity()
-        """The command that holds now."""
-        self.deadline = inf
-        """When the command ends; inf while none holds."""
+        self.driving = False
+        """Whether a command holds."""
         self.latched = False
         """Whether STOP was pressed, and the stick has not been let go since."""
-
-    @property
-    def driving(self) -> bool:
-        """Whether a command holds."""
-        return self.deadline < inf
 
     def sit(self, viewer: int) -> None:
         """Take the seat if it is free; Refused: another viewer has it."""
@@ -133,7 +122,7 @@ class DriverSeat:
         self.viewer = None
         return self._end()
 
-    def drive(self, viewer: int, velocity: Velocity, view_age: float, now: float) -> bool:
+    def drive(self, viewer: int, view_age: float) -> bool:
         """
         Take a command; return whether to obey it, False: it is too old, or STOP still holds.
 
@@ -143,7 +132,7 @@ class DriverSeat:
         self.sit(viewer)
         if self.latched or not -OLDEST_VIEW < view_age <= OLDEST_VIEW:
             return False
-        self.velocity, self.deadline = velocity, now + HOLD
+        self.driving = True
         return True
 
     def release(self, viewer: int) -> bool:
@@ -157,14 +146,11 @@ class DriverSeat:
         self._end()
         self.latched = True
 
-    def expire(self, now: float) -> bool:
-        """Return whether the command has just ended because no other one came in time."""
-        if now < self.deadline:
-            return False
-        self.velocity, self.deadline = Velocity(), inf
-        return True
+    def expire(self) -> bool:
+        """End the command: no other one came in time; return whether one held."""
+        was_driving, self.driving = self.driving, False
+        return was_driving
 
     def _end(self) -> bool:
-        was_driving = self.driving
-        self.velocity, self.deadline, self.latched = Velocity(), inf, False
-        return was_driving
+        self.latched = False
+        return self.expire()

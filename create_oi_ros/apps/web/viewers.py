@@ -13,7 +13,6 @@ from typing import Any
 
 from aiohttp import web, WSCloseCode, WSMsgType
 
-from ...driver.motion import Velocity
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from ...ros.driver_client import Reply
 from ...ros.topics import CMD_VEL
@@ -31,6 +30,8 @@ from .live_robot import Cursor
 from .page_messages import CALLS, MessageError, PageMessage, read
 from .web_node import NewestGoal, WebNode
 
+HOLD = 0.15
+"""Seconds that a command to drive holds."""
 HEARTBEAT = 5.0
 """Seconds between two pings; a page that does not answer is disconnected."""
 MOST_REPLIES = 50
@@ -212,31 +213,22 @@ class Viewers:
         self._show_seat()
 
     def _drive(self, number: int, linear: float, angular: float, seen: float) -> None:
-        now = time.monotonic()
         if not self._node.velocity.driver_listens:
             topic = self._node.resolve_topic_name(CMD_VEL)
             raise Refused(f'no driver takes {topic}: start one with create_run')
-        velocity = Velocity(float(linear), float(angular))
-        if self._seat.drive(number, velocity, now - seen, now):
-            self._node.velocity.publish(*velocity)
-            self._expire_at(self._seat.deadline)
-
-    def _expire_at(self, deadline: float) -> None:
-        if self._expiry is not None:
-            self._expiry.cancel()
-        loop = asyncio.get_running_loop()
-        self._expiry = loop.call_at(loop.time() + deadline - time.monotonic(), self._expire)
+        if self._seat.drive(number, time.monotonic() - seen):
+            self._node.velocity.publish(float(linear), float(angular))
+            if self._expiry is not None:
+                self._expiry.cancel()
+            self._expiry = asyncio.get_running_loop().call_later(HOLD, self._expire)
 
     def _expire(self) -> None:
         """Stop the wheels: no command came in time."""
-        if self._seat.expire(time.monotonic()):
-            self._brake_if(True)
-        elif self._seat.driving:
-            self._expire_at(self._seat.deadline)
+        self._brake_if(self._seat.expire())
 
     def _stop_if(self, due: bool) -> None:
         if due:
-            self._node.velocity.publish(*Velocity())
+            self._node.velocity.publish(0.0, 0.0)
 
     def _brake_if(self, due: bool) -> None:
         """Stop the wheels at once, beyond all limits: whoever drove sees them no more."""
