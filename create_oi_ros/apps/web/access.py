@@ -10,8 +10,6 @@ fails.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-import hmac
 from ipaddress import ip_address
 from urllib.parse import urlsplit
 
@@ -37,36 +35,17 @@ def is_loopback(host: str) -> bool:
         return host == 'localhost'
 
 
-@dataclass(frozen=True)
-class Access:
+def names_this_computer(header: str) -> bool:
     """
-    Decides which requests are answered.
+    Return whether the Host header of a request is a name of this computer.
 
-    Without a token, only names of this computer are answered: a page of another site can point a
-    name of its own at 127.0.0.1, and would then count as the same site (DNS rebinding).
+    Without a token no other name is answered: a page of another site can point a name of its own
+    at 127.0.0.1, and would then count as the same site (DNS rebinding).
     """
-
-    token: str | None = None
-
-    def admits_host(self, header: str) -> bool:
-        """Return whether the Host header of a request is one that we answer."""
-        if self.token is not None:
-            return True
-        try:
-            return is_loopback(urlsplit(f'//{header}').hostname or '')
-        except ValueError:  # it cannot be read
-            return False
-
-    def admits_token(self, given: str) -> bool:
-        """Return whether the token is right; the time this takes does not tell how far it was."""
-        # A header may hold bytes that are no UTF-8.
-        raw = given.encode('utf-8', 'surrogateescape')
-        return self.token is None or hmac.compare_digest(raw, self.token.encode())
-
-    @staticmethod
-    def same_origin(origin: str, host: str) -> bool:
-        """Return whether the page that connects was served by us; browsers always send both."""
-        return bool(host) and origin in (f'http://{host}', f'https://{host}')
+    try:
+        return is_loopback(urlsplit(f'//{header}').hostname or '')
+    except ValueError:  # it cannot be read
+        return False
 
 
 class MessageBudget:

@@ -25,7 +25,7 @@ from ...ros.node_arguments import split
 from ...ros.process import call_on_signal, ros_executor, spin_ready
 from ...ros.programs import installing, UserError
 from ...ros.waiting import say_if_waiting
-from .access import Access, is_loopback
+from .access import is_loopback
 from .bag_recording import BagRecording
 from .live_robot import LiveRobot
 from .simulated_truth import show_truth
@@ -141,7 +141,7 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
     recording = BagRecording(robot, options.ros)
     viewers = Viewers(node, recording)
     port = listener.getsockname()[1]
-    server = WebServer(Access(token), viewers, recording, port, secure=tls is not None)
+    server = WebServer(token, viewers, recording, port, secure=tls is not None)
     runner = await server.serve(listener, tls)
     _announce(node, f'http{"s" if tls else ""}://{own_address(options.host)}:{port}/', token)
     say_if_waiting(node, 'a driver', lambda: not node.velocity.driver_listens,
