@@ -64,52 +64,46 @@ def _arguments() -> argparse.ArgumentParser:
     return parser
 
 
-class GuidedCheck:
-    """One check, from the first question to the verdict."""
+def _guide(line: RobotLine, person: Person) -> tuple[list[Finding], Health, dict[str, float]]:
+    """Ask and drive; return what was seen, the health, parameters. UserError: why not."""
+    seen = [about_banner(line, person), about_dock(line)]
+    _to_the_floor(line, person)
+    seen.append(about_leds(line, person))
+    for number, step in enumerate(STEPS, 1):
+        seconds = sum(move.seconds for move in step.moves)
+        person.confirm(f'Step {number} of {len(STEPS)} ({seconds:.0f} s): {step.about}')
+        for done, move in enumerate(step.moves, 1):
+            _make(move, line, person)
+            progress(done, len(step.moves))
+    return seen, line.health(), by_tape(line, person)
 
-    def __init__(self, line: RobotLine, person: Person) -> None:
-        self._line, self._person = line, person
 
-    def run(self) -> tuple[list[Finding], Health, dict[str, float]]:
-        """Ask and drive; return what was seen, the health, parameters. UserError: why not."""
-        line, person = self._line, self._person
-        seen = [about_banner(line, person), about_dock(line)]
-        self._to_the_floor()
-        seen.append(about_leds(line, person))
-        for number, step in enumerate(STEPS, 1):
-            seconds = sum(move.seconds for move in step.moves)
-            person.confirm(f'Step {number} of {len(STEPS)} ({seconds:.0f} s): {step.about}')
-            for done, move in enumerate(step.moves, 1):
-                self._make(move)
-                progress(done, len(step.moves))
-        return seen, line.health(), by_tape(line, person)
-
-    def _to_the_floor(self) -> None:
-        """See that the robot stands on the floor, in Safe mode."""
-        line, person = self._line, self._person
+def _to_the_floor(line: RobotLine, person: Person) -> None:
+    """See that the robot stands on the floor, in Safe mode."""
+    outcome = line.enter(oi.Mode.SAFE)
+    if line.health().readings.charging_sources:
+        if person.absent:
+            tell('It backs off its dock.')
+            line.make(OFF_THE_DOCK)
+        else:
+            person.confirm('Take the robot off its dock, and put it on the floor')
         outcome = line.enter(oi.Mode.SAFE)
-        if line.health().readings.charging_sources:
-            if person.absent:
-                tell('It backs off its dock.')
-                line.make(OFF_THE_DOCK)
-            else:
-                person.confirm('Take the robot off its dock, and put it on the floor')
-            outcome = line.enter(oi.Mode.SAFE)
-        while not outcome.ok:
-            if person.absent:
-                raise UserError(outcome.text)
-            person.confirm(f'{outcome.text}. Mend this')
-            outcome = line.enter(oi.Mode.SAFE)
+    while not outcome.ok:
+        if person.absent:
+            raise UserError(outcome.text)
+        person.confirm(f'{outcome.text}. Mend this')
+        outcome = line.enter(oi.Mode.SAFE)
 
-    def _make(self, move: Move) -> None:
-        """Make a move, again where it was disturbed."""
-        for _ in range(ATTEMPTS if self._person.absent else 10 ** 6):
-            if self._line.make(move):
-                return
-            why = self._line.runner.disturbance
-            self._person.confirm(f'\nThe robot stands: {why}. Put it back; the move is repeated')
-            self._line.enter(oi.Mode.SAFE)
-        raise UserError(f'the robot cannot make its moves: {self._line.runner.disturbance}')
+
+def _make(move: Move, line: RobotLine, person: Person) -> None:
+    """Make a move, again where it was disturbed."""
+    for _ in range(ATTEMPTS if person.absent else 10 ** 6):
+        if line.make(move):
+            return
+        why = line.runner.disturbance
+        person.confirm(f'\nThe robot stands: {why}. Put it back; the move is repeated')
+        line.enter(oi.Mode.SAFE)
+    raise UserError(f'the robot cannot make its moves: {line.runner.disturbance}')
 
 
 def _conclude(seen: Sequence[Finding], health: Health, output: Path) -> None:
@@ -137,7 +131,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tell(f'Looking for a robot at {options.port} ...')
             line.wait_for_robot()
             person.confirm(INTRODUCTION)
-            seen, health, parameters = GuidedCheck(line, person).run()
+            seen, health, parameters = _guide(line, person)
         _conclude(seen, health, options.output)
         tell('\n'.join(in_lines(parameters)))
         tell(f'{line.capture.path}: all bytes of the check; send both files if something looks '

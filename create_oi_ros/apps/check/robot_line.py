@@ -73,15 +73,11 @@ class RobotLine:
         """Return what is known now."""
         return self.session.health()
 
-    def until(self, happened: Callable[[Health], bool], seconds: float) -> bool:
-        """Wait until something is the case; False: it did not become so in time."""
-        return self._wait(lambda: happened(self.health()), seconds)
-
-    def _wait(self, done: Callable[[], bool], seconds: float = inf) -> bool:
-        """Wait until something is done; False: not in time. UserError: the line has failed."""
+    def until(self, happened: Callable[[Health], bool], seconds: float = inf) -> bool:
+        """Wait until something is the case; False: not in time. UserError: the line has failed."""
         end = time.monotonic() + seconds
         while not self.lost.is_set():
-            if done():
+            if happened(self.health()):
                 return True
             if time.monotonic() > end:
                 return False
@@ -103,7 +99,7 @@ class RobotLine:
         """Ask for a mode; return how that ended."""
         with self.session.request() as (driver, now):
             pending = driver.modes.set(mode, now)
-        self._wait(lambda: pending.outcome is not None)
+        self.until(lambda _: pending.outcome is not None)
         assert pending.outcome is not None
         return pending.outcome
 
@@ -120,9 +116,9 @@ class RobotLine:
         with self.session.request() as (_driver, _now):
             self.runner.begin(move)
 
-        def made() -> bool:
+        def made(_health: Health) -> bool:
             with self.session.request() as (_driver, now):
                 self.runner.poll(now)
             return not self.runner.busy
-        self._wait(made)
+        self.until(made)
         return self.runner.disturbance is None
