@@ -17,19 +17,10 @@ from ...robot import TOP_SPEED
 from ...ros.actions import malformed
 from ...ros.driver_client import ACTION_TYPES, SERVICE_TYPES
 from ...ros.messages import filled
-from .access import TOP_TURN
+from .access import Refused, TOP_TURN
 
 CALLS = ('set_mode', 'stop', 'set_leds', 'reset_odometry')
 """The services that a page can call."""
-
-
-class MessageError(ValueError):
-    """A message is wrong; the text says what is wrong and what is allowed."""
-
-    def __init__(self, text: str, to: str = '') -> None:
-        """Take also the message's type, as far as that is known."""
-        super().__init__(text)
-        self.to = to
 
 
 MESSAGES: Mapping[str, Mapping[str, tuple[float, float] | list[Any]]] = {
@@ -55,40 +46,39 @@ class PageMessage(NamedTuple):
     """For an action or a service: what is sent to it."""
 
 
-def read(text: str) -> PageMessage:
-    """Read a message; MessageError says what is wrong."""
+def read(text: str) -> tuple[str, dict[str, Any]]:
+    """Return the type of a message, and all else in it; Refused: what is wrong."""
     try:
         found = json.loads(text)
     except (ValueError, RecursionError):  # numbers of thousands of digits, lists in lists
-        raise MessageError('this is no JSON') from None
+        raise Refused('this is no JSON') from None
     if not isinstance(found, dict):
-        raise MessageError('allowed is a JSON object with a "type"')
+        raise Refused('allowed is a JSON object with a "type"')
     type_ = found.pop('type', None)
     if not isinstance(type_, str) or type_ not in TYPES:
-        raise MessageError(f'unknown type; allowed: {", ".join(TYPES)}')
-    try:
-        return PageMessage(type_, found, _request(type_, found))
-    except ValueError as error:
-        raise MessageError(str(error), type_) from None
+        raise Refused(f'unknown type; allowed: {", ".join(TYPES)}')
+    return type_, found
 
 
-def _request(type_: str, found: Mapping[str, Any]) -> Any:
-    """Return what is sent to an action or a service, if any; ValueError: what is wrong."""
+def checked(type_: str, fields: Mapping[str, Any]) -> PageMessage:
+    """Return a message whose fields are as they should be; Refused: what is wrong."""
     if type_ in MESSAGES:
-        _check(type_, found)
-        return None
-    if type_ in CALLS:
-        return filled(SERVICE_TYPES[type_].Request(check_fields=True), found, type_)
-    goal = filled(ACTION_TYPES[type_].Goal(check_fields=True), found, type_)
-    if why := malformed(type_, goal):
-        raise ValueError(f'{type_}: {why}')
-    return goal
+        _check(type_, fields)
+        return PageMessage(type_, fields)
+    wanted = SERVICE_TYPES[type_].Request if type_ in CALLS else ACTION_TYPES[type_].Goal
+    try:
+        request = filled(wanted(check_fields=True), fields, type_)
+    except ValueError as error:
+        raise Refused(str(error)) from None
+    if type_ in ACTION_TYPES and (why := malformed(type_, request)):
+        raise Refused(f'{type_}: {why}')
+    return PageMessage(type_, fields, request)
 
 
 def _check(type_: str, found: Mapping[str, Any]) -> None:
     fields = MESSAGES[type_]
     if found.keys() != fields.keys():
-        raise ValueError(f'{type_}: allowed fields: {", ".join(fields) or "none"}')
+        raise Refused(f'{type_}: allowed fields: {", ".join(fields) or "none"}')
     for name, allowed in fields.items():
         value = found[name]
         if isinstance(allowed, tuple):
@@ -99,7 +89,7 @@ def _check(type_: str, found: Mapping[str, Any]) -> None:
             choices = [json.dumps(each) for each in allowed]
             fits, words = json.dumps(value) in choices, ' or '.join(choices)
         if not fits:
-            raise ValueError(f'{type_}: {name} is not allowed; allowed: {words}')
+            raise Refused(f'{type_}: {name} is not allowed; allowed: {words}')
 
 
 def feedback_part(feedback: Any) -> dict[str, Any]:

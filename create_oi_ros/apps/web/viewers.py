@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Coroutine
 import json
 import time
 from typing import Any
@@ -27,7 +27,7 @@ from .access import (
 )
 from .bag_recording import BagRecording
 from .live_robot import Cursor
-from .page_messages import CALLS, MessageError, PageMessage, read
+from .page_messages import CALLS, checked, PageMessage, read
 from .web_node import NewestGoal, WebNode
 
 HOLD = 0.15
@@ -168,15 +168,12 @@ class Viewers:
 
     def _take(self, viewer: Viewer, text: str) -> None:
         """Do what a page asks for, or tell it why not."""
+        type_ = ''
         try:
-            message = read(text)
-        except MessageError as error:
-            viewer.reply(error.to, False, str(error))
-            return
-        try:
-            self._obey(viewer, message)
+            type_, fields = read(text)
+            self._obey(viewer, checked(type_, fields))
         except Refused as refusal:
-            viewer.reply(message.type, False, str(refusal))
+            viewer.reply(type_, False, str(refusal))
 
     def _obey(self, viewer: Viewer, message: PageMessage) -> None:
         """Do what a page asks for; Refused says why not."""
@@ -205,10 +202,12 @@ class Viewers:
                 for each in self._goals.values():
                     each.cancel()
                 self._robot.happened('warn', 'STOP was pressed', time.monotonic())
-                self._call(viewer, message.type, lambda: self._node.call('stop'))
+                self._pass_on(viewer, message.type, self._node.call('stop'))
             case _:
                 self._seat.sit(number)
-                self._call(viewer, message.type, lambda: self._call_of(viewer, message))
+                if viewer.calls >= MOST_CALLS:  # STOP is never kept waiting
+                    raise Refused('wait for the replies to what you asked before')
+                self._pass_on(viewer, message.type, self._call_of(viewer, message))
         self._check_goals()
         self._show_seat()
 
@@ -258,12 +257,8 @@ class Viewers:
             self._robot.forget()
         return reply
 
-    def _call(self, viewer: Viewer, to: str, call: Callable[[], Awaitable[Reply]]) -> None:
-        """Wait for a reply in the background and pass it on; STOP is never kept waiting."""
-        if viewer.calls >= MOST_CALLS and to != 'stop':
-            raise Refused('wait for the replies to what you asked before')
-        reply = call()
-
+    def _pass_on(self, viewer: Viewer, to: str, reply: Awaitable[Reply]) -> None:
+        """Wait for a reply in the background, and pass it on."""
         async def answer() -> None:
             viewer.calls += 1
             try:
