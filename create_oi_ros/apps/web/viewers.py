@@ -260,12 +260,12 @@ class Viewers:
     def _pass_on(self, viewer: Viewer, to: str, reply: Awaitable[Reply]) -> None:
         """Wait for a reply in the background, and pass it on."""
         async def answer() -> None:
-            viewer.calls += 1
             try:
                 ok, text, _ = await reply
             finally:
                 viewer.calls -= 1
             viewer.reply(to, ok, text)
+        viewer.calls += 1  # now: a page may send several before `answer` begins
         self._keep(answer())
 
     def _keep(self, work: Coroutine[Any, Any, object]) -> None:
