@@ -14,8 +14,6 @@ from .moves import Move, Reads, REST, Segment
 
 LIMITS = MotionLimits(linear_acceleration=0.0, angular_acceleration=0.0)
 """None on accelerations: steps show most of a robot."""
-REPEAT = 0.1
-"""Seconds from one command to the next of the same speeds."""
 TELLING = 0.8
 """Seconds after a request in which readings are frequent."""
 PENDING = 8 * SLOT
@@ -82,8 +80,7 @@ class Runner:
         """Why the last move ended early; None where it did not."""
         self._steps: Steps | None = None
         """What is left of the move; None: nothing."""
-        self._now = self._polled_at = self._told_at = 0.0
-        self._told: Segment | None = None
+        self._now = 0.0
 
     @property
     def busy(self) -> bool:
@@ -92,14 +89,14 @@ class Runner:
 
     def begin(self, move: Move) -> None:
         """Start a move."""
-        self.disturbance, self._told = None, None
+        self.disturbance = None
         self._steps = self._do(move)
 
     def poll(self, now: float) -> None:
         """Go on with the move, once in a frame."""
-        if self._steps is None or now - self._polled_at < SLOT:
+        if self._steps is None or now - self._now < SLOT:
             return
-        self._now = self._polled_at = now
+        self._now = now
         self.disturbance = self._disturbance()
         if self.disturbance is not None:
             self._notebook.ask_no_more()
@@ -140,9 +137,6 @@ class Runner:
                 yield
 
     def _drive(self, segment: Segment) -> None:
-        if segment is self._told and self._now - self._told_at < REPEAT:
-            return
-        self._told, self._told_at = segment, self._now
         right, left = segment.right, segment.left
         self._driver.drive((right + left) / 2 / MM_PER_M,
                            (right - left) / MM_PER_M / LIMITS.wheel_separation, self._now)
