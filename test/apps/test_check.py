@@ -16,8 +16,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.apps.check.moves import Move, Reads, Segment, STEPS
 from create_oi_ros.apps.check.questions import by_tape, in_lines, Person
-from create_oi_ros.apps.check.robot_line import RobotLine
-from create_oi_ros.apps.check.runner import Notebook, Runner
+from create_oi_ros.apps.check.robot_line import Notebook, RobotLine, Runner
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_gyro, of_wheels
 from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import GyroSettings, Knowledge, Rounding, SignSource

@@ -1,27 +1,184 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The robot of a check at its port, in real time, with a capture of it all."""
+"""
+The robot of a check: it does moves, one at a time, and nothing may disturb them.
 
-from collections.abc import Callable, Iterator
+`Runner` is pure, as the driver is; `RobotLine` has it at a port, in real time, with a capture.
+"""
+
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
-from math import inf
+from itertools import cycle
+from math import cos, inf, remainder, sin, tau
 import threading
 import time
 
 from ... import __version__, oi
-from ...driver import Driver, DriverEvent, Health, Notice, Outcome, Settings, Severity
+from ...driver import (
+    Driver,
+    DriverEvent,
+    Health,
+    MotionLimits,
+    Notice,
+    Outcome,
+    Settings,
+    Severity,
+)
+from ...driver.goals.goal import bumps
 from ...link.capture import Capture
 from ...link.session import Session
-from ...odometry import GyroSettings
+from ...odometry import Estimate, GyroSettings, Increment, Odometry
 from ...oi.tools.capture_format import RecordKind
+from ...robot import MM_PER_M, SLOT
 from ...ros.programs import UserError
-from .moves import Move
-from .runner import Notebook, Runner
+from .moves import Move, Reads, REST, Segment
 
+LIMITS = MotionLimits(linear_acceleration=0.0, angular_acceleration=0.0)
+"""None on accelerations: steps show most of a robot."""
+TELLING = 0.8
+"""Seconds after a request in which readings are frequent."""
+PENDING = 8 * SLOT
+"""Seconds within which a reading that was asked for arrives, or is asked for again."""
+MOST_LOOKS = 30
+"""Readings before a move after which it begins though they are not zero."""
 TURN = 0.02
 """Seconds between two looks."""
 ANSWER = 15.0
 """Seconds within which a robot must answer."""
+Steps = Generator[None, None, None]
+
+
+class Notebook(Odometry):
+    """Takes the place of the driver's odometry: learns as ever, but asks for readings as told."""
+
+    def __init__(self) -> None:
+        super().__init__(window=1.0, gyro=GyroSettings())
+        self.reading: Increment | None = None
+        """The newest frame that had a reading."""
+        self.seconds = 0.0
+        """The robot's time since the first frame."""
+        self.travelled = self.turned = 0.0
+        """Metres ahead and radians to the left since the first frame."""
+        self._intervals: Iterator[int] = iter(())
+        self._every = self._since = 0
+        self._due = False
+
+    @property
+    def reading_due(self) -> bool:
+        """Whether the next frame should carry distance and angle."""
+        return self._due
+
+    def ask(self, intervals: tuple[int, ...] = ()) -> None:
+        """Ask for a reading, and for others so many frames apart, in turn."""
+        self._intervals = cycle(intervals)
+        self._every, self._since, self._due = next(self._intervals, 0), 0, True
+
+    def ask_no_more(self) -> None:
+        """Ask for no more readings."""
+        self._every, self._due = 0, False
+
+    def update(self, increment: Increment) -> Estimate:
+        """Take one frame in."""
+        if increment.distance is not None:
+            self.reading = increment
+        self.seconds += increment.dt
+        self._since += 1
+        missed = self._due and increment.distance is None  # the driver had not looked yet
+        self._due = bool(self._every) and self._since >= self._every
+        if self._due:
+            self._every, self._since = next(self._intervals), 0
+        self._due |= missed
+        before, after = self.estimate, super().update(increment)
+        self.travelled += ((after.x - before.x) * cos(before.yaw)
+                           + (after.y - before.y) * sin(before.yaw))
+        self.turned += remainder(after.yaw - before.yaw, tau)
+        return after
+
+
+class Runner:
+    """One robot that moves as told. Pure, as the driver is: `poll` has the time."""
+
+    def __init__(self, driver: Driver, notebook: Notebook) -> None:
+        self._driver, self._notebook = driver, notebook
+        driver.set_limits(LIMITS)
+        self.disturbance: str | None = None
+        """Why the last move ended early; None where it did not."""
+        self._steps: Steps | None = None
+        """What is left of the move; None: nothing."""
+        self._now = 0.0
+
+    @property
+    def busy(self) -> bool:
+        """Whether a move is under way."""
+        return self._steps is not None
+
+    def begin(self, move: Move) -> None:
+        """Start a move."""
+        self.disturbance = None
+        self._steps = self._do(move)
+
+    def poll(self, now: float) -> None:
+        """Go on with the move, once in a frame."""
+        if self._steps is None or now - self._now < SLOT:
+            return
+        self._now = now
+        self.disturbance = self._disturbance()
+        if self.disturbance is not None:
+            self._notebook.ask_no_more()
+            self._driver.stop(now)
+            self._steps = None
+        elif next(self._steps, True):
+            self._steps = None
+
+    def _do(self, move: Move) -> Steps:
+        """Do a move, from the moment when the counts are empty to the last reading."""
+        notebook = self._notebook
+        for _ in range(MOST_LOOKS):
+            reading = yield from self._read()
+            if (reading.distance, reading.angle) == (0, 0):
+                break
+        end = notebook.seconds
+        for segment in (*move.segments, Segment(REST, 0, 0)):
+            began, end = notebook.seconds, end + segment.seconds
+            if move.intervals:  # the first moments of a segment tell most
+                notebook.ask(move.intervals)
+            while notebook.seconds <= end:
+                if move.reads is Reads.OFTEN and notebook.seconds - began > TELLING:
+                    notebook.ask_no_more()
+                self._drive(segment)
+                yield
+        yield from self._read()
+
+    def _read(self) -> Generator[None, None, Increment]:
+        """Ask for a reading, again where none comes, and return it."""
+        notebook = self._notebook
+        before = notebook.reading
+        while True:
+            notebook.ask()
+            asked_at = notebook.seconds
+            while notebook.seconds - asked_at <= PENDING:
+                if notebook.reading is not None and notebook.reading is not before:
+                    return notebook.reading
+                yield
+
+    def _drive(self, segment: Segment) -> None:
+        right, left = segment.right, segment.left
+        self._driver.drive((right + left) / 2 / MM_PER_M,
+                           (right - left) / MM_PER_M / LIMITS.wheel_separation, self._now)
+
+    def _disturbance(self) -> str | None:
+        """Say what disturbs the move; None: nothing."""
+        health = self._driver.health(self._now)
+        readings = health.readings
+        if not health.answered:
+            return 'the robot does not answer any more'
+        if health.hazards:
+            return ', '.join(cause.value for cause in health.hazards)
+        if not health.mode.can_drive:
+            return f'the robot left Safe mode: {health.mode.reason or "no reason"}'
+        if readings.has('oi_mode') and bumps(readings):
+            return 'the bumper was pressed'
+        return None
 
 
 class RobotLine:
