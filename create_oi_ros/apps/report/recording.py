@@ -1,10 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""
-What is kept of a bag, curves and what happened, and how it is read, once from front to back.
-
-A sensor topic repeats itself 20 times a second: such a message is not decoded.
-"""
+"""What is kept of a bag, curves and what happened, and how it is read, from front to back."""
 
 from __future__ import annotations
 
@@ -149,9 +145,7 @@ def _number(text: str | None) -> float:
 
 # How it is read.
 
-BODY = slice(12, None)
-"""Part of a serialized message after the stamp of its header."""
-OURS, DIAGNOSTICS = 'create_oi_msgs/msg/', 'diagnostic_msgs/msg/DiagnosticArray'
+DIAGNOSTICS = 'diagnostic_msgs/msg/DiagnosticArray'
 TYPES = {full_name(topic.type): topic.name for topic in PUBLISHED
          if topic.name in TOPICS} | dict.fromkeys(COMMANDS, CMD_VEL)
 """The name of the topic that has a type."""
@@ -187,7 +181,6 @@ def _read_messages(
 ) -> None:
     """Add all messages of some topics; DamageError: one cannot be read."""
     decoders = {topic: _decoder(topic) for topic in topics}
-    before: dict[str, bytes] = {}
     seconds, shown = recording.seconds, 0.0
     for topic, stamp, raw in files.messages(topics):
         time = (stamp - files.start) / 1e9
@@ -195,11 +188,6 @@ def _read_messages(
         if time > shown:
             progress(time / seconds if seconds else 1.0)
             shown = time + seconds / 100
-        if topic.type.startswith(OURS):
-            body = raw[BODY]
-            if before.get(topic.name) == body:
-                continue
-            before[topic.name] = body
         with reading():
             message = decoders[topic].deserialize_cdr(raw, topic.type)
         recording.add(base_name(topic), time, message)
