@@ -5,7 +5,6 @@
 from bisect import bisect_right
 from math import inf, isnan, nan
 from pathlib import Path
-import shutil
 import subprocess
 import sys
 
@@ -174,24 +173,6 @@ def test_a_bag_without_odometry_is_still_shown(tmp_path):
     recording = read(tmp_path / 'bag', quiet)
     assert [span.text for span in recording.events.spans['mode'].all] == ['SAFE', 'PASSIVE']
     assert recording.gaps[0].text == 'nothing was recorded'
-
-
-def test_a_reindexed_bag_is_read(bag, recording, tmp_path):
-    """`ros2 bag reindex` writes another history depth to metadata.yaml than the file has."""
-    shutil.copytree(bag, tmp_path / 'walk')
-    metadata = tmp_path / 'walk' / 'metadata.yaml'
-    text = metadata.read_text()
-    assert 'offered_qos_profiles: []' in text
-    metadata.write_text(text.replace('offered_qos_profiles: []', 'offered_qos_profiles:' + ''.join(
-        f'\n        {line}' for line in (
-            '- history: keep_last', '  depth: 0', '  reliability: reliable',
-            '  durability: volatile', '  deadline: {sec: 9223372036, nsec: 854775807}',
-            '  lifespan: {sec: 9223372036, nsec: 854775807}', '  liveliness: automatic',
-            '  liveliness_lease_duration: {sec: 9223372036, nsec: 854775807}',
-            '  avoid_ros_namespace_conventions: false'))))
-    again = read(tmp_path / 'walk', quiet)
-    assert list(again.odom['x']) == list(recording.odom['x'])
-    assert again.events.settings == recording.events.settings
 
 
 def test_a_full_disk_leaves_the_old_report(bag, tmp_path, unmeasured):
