@@ -27,10 +27,9 @@ from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import StoragePlugin, Writer
 from std_msgs.msg import String
 
-from create_oi_ros.apps.report import page
+from create_oi_ros.apps.report import create_report
 from create_oi_ros.apps.report.bag_files import BagError
-from create_oi_ros.apps.report.create_report import main
-from create_oi_ros.apps.report.page import kept, packed, steps, write
+from create_oi_ros.apps.report.create_report import kept, main, packed, steps, write
 from create_oi_ros.apps.report.recording import read, Recording
 from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
 from create_oi_ros.ros import programs
@@ -245,13 +244,13 @@ def test_steps_give_every_value_back_to_half_a_unit(values):
 def test_a_long_recording_is_thinned_as_far_as_its_size_demands(monkeypatch):
     made = recorded(20_000)
     whole = len(packed(made))
-    monkeypatch.setattr(page, 'LARGEST', whole // 3)
+    monkeypatch.setattr(create_report, 'LARGEST', whole // 3)
     text = packed(made)
     times = column(unpacked(text), 'odom', 't')
-    assert len(text) <= whole // 3 and page.FEWEST < len(times) < 20_000
+    assert len(text) <= whole // 3 and create_report.FEWEST < len(times) < 20_000
     assert times[-1] == pytest.approx(made.odom.times[-1])
-    monkeypatch.setattr(page, 'LARGEST', 1)
-    assert len(column(unpacked(packed(made)), 'odom', 't')) <= page.FEWEST
+    monkeypatch.setattr(create_report, 'LARGEST', 1)
+    assert len(column(unpacked(packed(made)), 'odom', 't')) <= create_report.FEWEST
 
 
 # The page.

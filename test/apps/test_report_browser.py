@@ -13,8 +13,7 @@ import pytest
 
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
-from create_oi_ros.apps.report.create_report import main
-from create_oi_ros.apps.report.page import write
+from create_oi_ros.apps.report.create_report import main, write
 from create_oi_ros.apps.report.recording import Recording
 from support.browser import OpenPage
 from support.ros import Scene, scene
