@@ -37,10 +37,6 @@ from create_oi_ros.ros.diagnostics import PARAMETERS
 from support import bags
 
 
-def quiet(part: float) -> None:
-    """Show no progress."""
-
-
 @pytest.fixture(scope='module', params=list(StoragePlugin), ids=lambda each: each.name)
 def bag(request, tmp_path_factory) -> Path:
     """Return a bag of either kind."""
@@ -51,7 +47,7 @@ def bag(request, tmp_path_factory) -> Path:
 @pytest.fixture(scope='module')
 def recording(bag):
     """Return the recording of this bag."""
-    return read(bag, quiet)
+    return read(bag)
 
 
 def refusal(path: Path, *arguments: str) -> str:
@@ -106,8 +102,8 @@ def test_of_several_robots_one_must_be_named_and_one_without_a_namespace_is_call
     assert refusal(bag, '--robot', 'nobody') == f'{bag} has no robot nobody: it has /'
     fleet = bags.write(tmp_path / 'fleet', 2.0, robots=('', 'robot2'))
     assert 'name one with --robot: /, robot2' in refusal(fleet)
-    assert read(fleet, quiet, '/').odom
-    chosen = read(fleet, quiet, 'robot2')
+    assert read(fleet, '/').odom
+    chosen = read(fleet, 'robot2')
     assert len(chosen.odom) == 133 and chosen.events.settings['version'] == '9.8.7'
     assert 'no robot robot3: it has /, robot2' in refusal(fleet, '--robot', 'robot3')
 
@@ -131,12 +127,12 @@ def test_what_is_no_bag_of_a_robot_gets_a_sentence(tmp_path):
 
 def test_the_intact_part_of_an_unclosed_bag_is_shown(tmp_path):
     bag = bags.write(tmp_path / 'walk', 40.0)
-    whole = read(bag, quiet)
+    whole = read(bag)
     file, = bag.glob('*.mcap')
     file.write_bytes(file.read_bytes()[:-file.stat().st_size // 10])
     (bag / 'metadata.yaml').unlink()
     for path in (bag, file):
-        rest = read(path, quiet)
+        rest = read(path)
         assert 10.0 < rest.seconds < 40.0
         assert rest.odom['x'] == whole.odom['x'][:len(rest.odom)]
         assert rest.events.settings == whole.events.settings
@@ -151,7 +147,7 @@ def test_impossible_values_are_left_out(tmp_path, monkeypatch, value):
     monkeypatch.setattr(bags, 'twist', lambda _, turn: honest(value, turn))
     bag = bags.write(tmp_path / 'bag', 1.0)
     main([str(bag), '-o', str(tmp_path / 'report.html')])
-    recording = read(bag, quiet)
+    recording = read(bag)
     assert all(map(isnan, recording.odom['speed']))
     assert not any(map(isnan, recording.odom['turn']))
 
@@ -169,7 +165,7 @@ def test_a_bag_without_odometry_is_still_shown(tmp_path):
         for time in (0.0, 8.5):
             writer.write(mode, int(time * 1e9), serialize_message(bags.modes(time)))
     main([str(tmp_path / 'bag'), '-o', str(tmp_path / 'report.html')])
-    recording = read(tmp_path / 'bag', quiet)
+    recording = read(tmp_path / 'bag')
     assert [span.text for span in recording.events.spans['mode'].all] == ['SAFE', 'PASSIVE']
     assert recording.gaps[0].text == 'nothing was recorded'
 

@@ -24,11 +24,6 @@ UNCLOSED = 'its recorder did not close it'
 FEEDBACK = '/rotate_angle/_action/feedback'
 
 
-def shown(path: Path) -> Recording:
-    """Return what the report shows of a bag."""
-    return read(path, lambda part: None)
-
-
 def told(recording: Recording) -> str:
     """Return the summary of a bag."""
     return ' '.join(summary(recording))
@@ -43,7 +38,7 @@ def bag(tmp_path_factory) -> Path:
 @pytest.fixture(scope='module')
 def whole(bag) -> Recording:
     """Return what is in it."""
-    return shown(bag)
+    return read(bag)
 
 
 def copied(bag: Path, target: Path, *, feedback: bool = False, slices: int = 1, **options) -> Path:
@@ -83,7 +78,7 @@ def assert_same(recording: Recording, whole: Recording) -> None:
 def test_feedback_of_actions_which_rosbag2_does_not_define_is_skipped_and_named(
     bag, whole, tmp_path,
 ):
-    recording = shown(copied(bag, tmp_path / 'walk', feedback=True))
+    recording = read(copied(bag, tmp_path / 'walk', feedback=True))
     assert_same(recording, whole)
     assert FEEDBACK in told(recording) and not recording.faults
 
@@ -92,7 +87,7 @@ def test_feedback_of_actions_which_rosbag2_does_not_define_is_skipped_and_named(
 def test_a_bag_without_chunks_and_index_or_in_many_files_is_whole_without_metadata(
         bag, whole, tmp_path, options):
     """`--storage-preset-profile fastwrite`, `--max-bag-duration`."""
-    recording = shown(copied(bag, tmp_path / 'walk', **options))
+    recording = read(copied(bag, tmp_path / 'walk', **options))
     assert_same(recording, whole)
     assert not recording.faults and recording.storage == 'MCAP'
 
@@ -102,11 +97,11 @@ def test_a_file_that_is_missing_is_named(bag, tmp_path):
     metadata = tmp_path / 'walk' / 'metadata.yaml'
     metadata.write_text(metadata.read_text().replace(
         'relative_file_paths:\n', 'relative_file_paths:\n  - walk_9.mcap\n'))
-    assert 'walk_9.mcap is missing' in told(shown(tmp_path / 'walk'))
+    assert 'walk_9.mcap is missing' in told(read(tmp_path / 'walk'))
     (tmp_path / 'walk' / 'walk_9.mcap').symlink_to('nowhere')
-    assert 'walk_9.mcap: ' in told(shown(tmp_path / 'walk'))
+    assert 'walk_9.mcap: ' in told(read(tmp_path / 'walk'))
     metadata.write_text('rosbag2: [')
-    assert shown(tmp_path / 'walk').odom
+    assert read(tmp_path / 'walk').odom
 
 
 @pytest.mark.parametrize('options', [{}, {'use_chunking': False}], ids=['chunks', 'none'])
@@ -117,7 +112,7 @@ def test_a_file_that_was_cut_off_is_read_up_to_its_last_whole_part(bag, tmp_path
     for kept in (0.3, 0.6):
         for more in range(3):  # also in the middle of a number, or of a message
             file.write_bytes(content[:round(len(content) * kept) + more])
-            recording = shown(copy)
+            recording = read(copy)
             assert recording.odom and recording.faults == [
                 f'{UNCLOSED}, so the last seconds may be missing']
 
@@ -129,7 +124,7 @@ def test_what_follows_a_damaged_chunk_is_read(bag, whole, tmp_path):
     spoilt = bytearray(file.read_bytes())
     spoilt[len(spoilt) // 2] ^= 0xFF
     file.write_bytes(spoilt)
-    recording = shown(copy)
+    recording = read(copy)
     assert 'The bag is not whole: a chunk is damaged: crc validation failed' in told(recording)
     assert len(whole.odom) > len(recording.odom) > 0.8 * len(whole.odom)
     assert recording.odom.times[-1] == whole.odom.times[-1]
@@ -152,7 +147,7 @@ def test_the_log_of_a_database_that_was_not_closed_is_read(whole, tmp_path):
         for each in bag.glob('*.db3*'):
             shutil.copy(each, tmp_path / 'killed')
     before = {each.name: each.read_bytes() for each in (tmp_path / 'killed').iterdir()}
-    recording = shown(tmp_path / 'killed')
+    recording = read(tmp_path / 'killed')
     assert_same(recording, whole)
     assert UNCLOSED in told(recording) and 'The recording has no gap' not in told(recording)
     assert before == {each.name: each.read_bytes() for each in (tmp_path / 'killed').iterdir()}
@@ -165,7 +160,7 @@ def test_compressed_bags_are_read_by_folder_and_by_file(whole, tmp_path, storage
     bag = bags.write(tmp_path / 'walk', storage=storage, compression=compression)
     file, = (each for each in bag.iterdir() if each.suffix != '.yaml')
     for path in (bag, file):
-        recording = shown(path)
+        recording = read(path)
         assert_same(recording, whole)
         assert not recording.faults
         assert recording.storage == {'MCAP': 'MCAP', 'SQLITE3': 'SQLite'}[storage.name]
@@ -175,7 +170,7 @@ def test_a_compressed_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path):
     bag = bags.write(tmp_path / 'walk', 40.0, compression=CompressionMode.FILE)
     file, = bag.glob('*.zstd')
     file.write_bytes(file.read_bytes()[:file.stat().st_size * 9 // 10])
-    recording = shown(bag)
+    recording = read(bag)
     assert recording.odom and 'The bag is not whole: ' in told(recording)
 
 
@@ -187,7 +182,7 @@ def test_reset_odometry_and_reset_pose_are_events(tmp_path, monkeypatch):
         moved.pose.pose.position.y += 3.0 if time >= 8.0 else 0.0
         return moved
     monkeypatch.setattr(bags, 'odometry', odometry)
-    recording = shown(bags.write(tmp_path / 'walk'))
+    recording = read(bags.write(tmp_path / 'walk'))
     jumps = [each for each in events(recording) if each.kind == 'odometry']
     assert [each.time for each in jumps] == pytest.approx([4.0, 8.0], abs=0.03)
     assert 'reset_odometry' in jumps[0].text and 'jumps by 3.00 m' in jumps[1].text

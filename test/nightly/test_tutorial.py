@@ -147,7 +147,7 @@ def test_the_tutorial_works(folder, environment):
             terminal.ended()
     text = (folder / 'my' / 'walk.html').read_text()
     assert 'Bump' in text and 'id="data">e' in text, 'an event, and packed curves'
-    recording = read(folder / 'my' / 'walk', lambda part: None)
+    recording = read(folder / 'my' / 'walk')
     assert recording.events.spans['bumper'].all and len(recording.odom) > 20
 
 
@@ -162,7 +162,7 @@ def test_make_demo_drives_its_tour_and_makes_a_report(tmp_path):
     assert done.returncode == 0, done.stdout
     [folder] = tmp_path.iterdir()
     assert done.stdout.endswith(f'{folder.name}/report.html\n') and 'Traceback' not in done.stdout
-    seen = read(folder / 'bag', lambda part: None).events.spans
+    seen = read(folder / 'bag').events.spans
     assert [len(seen[kind].all) for kind in ('bumper', 'cliff', 'song')] == [2, 1, 2]
     assert 'Bump' in (folder / 'report.html').read_text()
 

@@ -233,6 +233,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--robot', metavar='NAMESPACE',
                         help='which robot, if the bag holds several; / is one without a namespace')
     options = parser.parse_args(arguments)
-    write(read(options.bag, bar(f'reading {options.bag.name}'), options.robot), options.target)
+    write(read(options.bag, options.robot, bar(f'reading {options.bag.name}')), options.target)
     print(options.target)
     return 0

@@ -153,7 +153,8 @@ Progress = Callable[[float], None]
 """Called with the part that is done, 0 to 1."""
 
 
-def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
+def read(path: Path, robot: str | None = None,
+         progress: Progress = lambda part: None) -> Recording:
     """Read a bag; BagError says why it cannot be read, or that a robot must be named."""
     with TemporaryDirectory(prefix='create_report-') as folder:
         files = BagFiles(path, Path(folder))
