@@ -3,7 +3,7 @@
 """`create_lidar`: publish the scans of a simulated robot's lidar, until Ctrl-C."""
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 import json
 from math import inf, pi, tau
@@ -105,9 +105,8 @@ def scans(connection: socket.socket) -> Iterator[dict[str, Any]]:
             yield json.loads(answer.removeprefix('ok '))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main() -> int:
     """Run until Ctrl-C or the end of the simulator; OSError: there is none."""
-    given = sys.argv if arguments is None else ['create_lidar', *arguments]
     parser = argparse.ArgumentParser(
         prog='create_lidar', description=__doc__, epilog='in a namespace: --ros-args -r __ns:=/r1')
     parser.add_argument('--control', type=Path, required=True, metavar='PATH',
@@ -116,7 +115,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         f"of the scans (default: {FRAME}, with the prefix of the robot's frame)"))
     parser.add_argument('--base-frame', default='', help=(
         "the robot's frame (default: base_frame of the driver)"))
-    options = parser.parse_args(remove_ros_args(given)[1:])
+    options = parser.parse_args(remove_ros_args(sys.argv)[1:])
     connection, ended = socket.socket(socket.AF_UNIX), Event()
 
     def end() -> None:
@@ -124,7 +123,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with suppress(OSError):  # it is not connected
             connection.shutdown(socket.SHUT_RDWR)
     call_on_signal(end)
-    with connection, ros_executor(given) as executor:
+    with connection, ros_executor() as executor:
         node = LidarNode(options.frame, options.base_frame)
         executor.add_node(node)
         connect(connection, options.control, ended)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from datetime import datetime
 import os
 from pathlib import Path
@@ -31,9 +30,9 @@ def amount(recorder: Recorder) -> str:
             f'{recorder.size / 1e6:.1f} MB')
 
 
-def record(folder: Path, arguments: list[str], ended: Future) -> Recorder | None:
+def record(folder: Path, ended: Future) -> Recorder | None:
     """Record until `ended` is done; None: the disk is full; OSError: the folder cannot be made."""
-    with ros_executor(arguments) as executor:
+    with ros_executor() as executor:
         node = rclpy.create_node('create_record')
         executor.add_node(node)
         recorder = Recorder(node, folder)
@@ -63,15 +62,14 @@ def _arguments() -> argparse.ArgumentParser:
     return parser
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main() -> int:
     """Run `create_record`; 1: the disk is full, or no message came. OSError: see `record`."""
-    given = sys.argv if arguments is None else ['create_record', *arguments]
     parser, ended = _arguments(), Future()
-    options = parser.parse_args(remove_ros_args(given)[1:])
+    options = parser.parse_args(remove_ros_args(sys.argv)[1:])
     if options.folder.exists():
         parser.error(f'{options.folder} is there already')
     call_on_signal(lambda: ended.set_result(0))
-    recorder = record(options.folder, given, ended)
+    recorder = record(options.folder, ended)
     if recorder is None:
         return 1
     # On a terminal, overwrite the line with the running count.

@@ -116,9 +116,9 @@ def _conclude(seen: Sequence[Finding], health: Health, output: Path) -> None:
     tell(f'{output}: give it to the driver with -p odometry_model:={output.absolute()}')
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main() -> int:
     """Run `create_check`; 130: it was interrupted. UserError, OSError: what is wrong."""
-    options = _arguments().parse_args(arguments)
+    options = _arguments().parse_args()
     if not options.output.absolute().parent.is_dir():
         raise UserError(f'{options.output.absolute().parent} is no folder: nothing can be '
                         'written there')
