@@ -10,7 +10,6 @@ has; docs/calibration.md describes it.
 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from math import isfinite
 import os
 from pathlib import Path
 import shutil
@@ -148,7 +147,7 @@ def _number(content: Mapping[str, Any], name: str, limits: tuple[float, float],
             where: str = '') -> float:
     """Return a number within its limits; ValueError: it is not one."""
     value, (low, high) = content.get(name), limits
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f'{where}{name} is {value!r}: a number is wanted')
     if not low <= value <= high:
         raise ValueError(f'{where}{name} is {value}; allowed: {low:g} to {high:g}')

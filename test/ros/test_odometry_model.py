@@ -3,6 +3,7 @@
 """The file of what is known of a robot, and the node that keeps one."""
 
 from dataclasses import replace
+from math import nan
 from pathlib import Path
 import signal
 
@@ -47,6 +48,8 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path):
 @pytest.mark.parametrize(('change', 'said'), [
     ({'format': 4}, 'format 4 is not known'),
     ({'right_gain': {'value': 7.0, 'deviation': 0.1}}, 'right_gain: value is 7.0; allowed: 0.1'),
+    ({'right_gain': {'value': nan, 'deviation': 0.1}}, 'right_gain: value is nan; allowed: 0.1'),
+    ({'right_gain': {'value': 10 ** 400, 'deviation': 0.1}}, 'right_gain: value is 10000'),
     ({'right_gain': {'value': 'fast', 'deviation': 0.1}}, "'fast': a number is wanted"),
     ({'right_gain': {'value': 1.0, 'deviation': -1.0}}, 'right_gain: deviation is -1.0'),
     ({'right_gain': {'value': 1.0}}, 'right_gain: deviation is None'),
