@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The launch files, started by the real `ros2 launch`; the real commands ask what came of it."""
+"""The launch files, started by the real `ros2 launch`; the graph shows what came of it."""
 
 from collections.abc import Sequence
 import os
@@ -12,6 +12,8 @@ import tempfile
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
+from rcl_interfaces.srv import GetParameters
+from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 import yaml
@@ -53,21 +55,16 @@ def at(port: Path, words: Sequence[str]) -> list[str]:
     return [word.replace('PORT', str(port)) for word in words]
 
 
-def parameters(ros2: Ros2, node: str) -> dict[str, object]:
-    """Return all parameters of a node."""
-    return yaml.safe_load(ros2.run('param', 'dump', node))[node]['ros__parameters']
+def parameters(ros2: Ros2, node: str, *names: str) -> list[object]:
+    """Return parameters of a node."""
+    reply = ros2.stage.ros.call(GetParameters, f'{node}/get_parameters', names=names)
+    return [*map(parameter_value_to_python, reply.values)]
 
 
 def wait_for_nodes(ros2: Ros2, *names: str) -> None:
     """Wait until the graph has these nodes, and no other but that of the test."""
-    wanted = sorted([*names, '/listener'])
-
-    def wanted_only(shown: str) -> bool:
-        found = sorted(line for line in shown.splitlines() if line.startswith('/'))
-        if found != wanted and {*found} >= {*wanted}:  # the daemon may keep what has ended
-            ros2.run('daemon', 'stop')
-        return found == wanted
-    ros2.run('node', 'list', shows=wanted_only)
+    ros, wanted = ros2.stage.ros, sorted([*names, '/listener'])
+    ros.until(lambda: sorted(ros.node.get_fully_qualified_node_names()) == wanted, f'{wanted}')
 
 
 def port_of(namespace: str, domain: int) -> Path:
@@ -90,8 +87,7 @@ def test_driver_model_and_rviz_are_launched(ros2, ports):
     launch = ros2.launch(*at(ports[0], WITH_RVIZ))
     launch.until(ANSWERS)
     wait_for_nodes(ros2, '/create', '/create_cmd_vel')
-    assert ros2.run('param', 'get', '/create', 'port').strip() == f'String value is: {ports[0]}'
-    assert ros2.run('param', 'get', '/create', 'odom_frame').strip() == 'String value is: odom'
+    assert parameters(ros2, '/create', 'port', 'odom_frame') == [str(ports[0]), 'odom']
     model, = launch.started('robot_state_publisher')
     assert model.parameters['robot_description'].startswith('<?xml')
     assert model.parameters['frame_prefix'] == ''
@@ -110,16 +106,15 @@ def test_a_parameter_file_wins_over_defaults_and_a_given_argument_over_the_file(
     Path('my_create.yaml').write_text(yaml.safe_dump({'/create': {'ros__parameters': of_file}}))
     launch = ros2.launch(*WITH_FILE)
     launch.until(ANSWERS)
-    found = parameters(ros2, '/create')
-    assert {name: found[name] for name in of_file} == of_file
+    assert parameters(ros2, '/create', *of_file) == [*of_file.values()]
     launch.interrupt()
     given = {'port': str(ports[1]), 'gyro': 'none', 'capture': 'b'}
     launch = ros2.launch(
         *WITH_FILE, 'frame_prefix:=r/', 'use_sim_time:=False', 'rviz:=True',
         *(f'{name}:={value}' for name, value in given.items()))
     launch.until(ANSWERS)
-    found = parameters(ros2, '/create')
-    assert {name: found[name] for name in of_file} == given | {
+    found = dict(zip(of_file, parameters(ros2, '/create', *of_file), strict=True))
+    assert found == given | {
         'odom_frame': 'r/odom', 'base_frame': 'r/base_footprint', 'use_sim_time': False}
     for name in ('robot_state_publisher', 'rviz2'):
         assert launch.started(name)[0].parameters['use_sim_time'] is False
@@ -138,8 +133,7 @@ def test_a_simulated_robot_is_launched_in_a_namespace_with_frames_of_its_own(ros
     launch.until('open http://')
     wait_for_nodes(ros2, *(f'/lab/robot1/{name}' for name in (
         'create', 'create_cmd_vel', 'create_lidar', 'create_web')))
-    found = parameters(ros2, '/lab/robot1/create')
-    assert (found['port'], found['gyro']) == (str(port), 'analog')
+    assert parameters(ros2, '/lab/robot1/create', 'port', 'gyro') == [str(port), 'analog']
     assert port.is_symlink() and Path(f'{port}-control').is_socket()
     assert f'--control {port}-control' in Path(
         f'/proc/{launch.pid("create_web")}/cmdline').read_text().replace('\0', ' ')
@@ -164,8 +158,6 @@ def test_each_robot_of_a_fleet_has_its_namespace_and_frames_and_follows_its_own_
     launch.until(ANSWERS, 3)
     wait_for_nodes(ros2, *(f'/{name}/{node}' for name in names
                            for node in ('create', 'create_cmd_vel')))
-    assert ros2.run('param', 'get', '/robot2/create', 'odom_frame').strip() == (
-        'String value is: robot2/odom')
     velocity = ros.node.create_publisher(Twist, '/robot2/cmd_vel', 1)
     timer = ros.node.create_timer(0.1, lambda: velocity.publish(Twist(linear=Vector3(x=0.2))))
     ros.until(lambda: all(heard.values()) and heard['robot2'][-1].pose.pose.position.x > 0.2)
@@ -230,14 +222,13 @@ def test_other_launch_files_include_these(ros2, ports, monkeypatch):
     places = (*simulated, '/hall', '/robot1')
     wait_for_nodes(ros2, *(f'{place}/{node}' for place in places
                            for node in ('create', 'create_cmd_vel')))
-    topics = {*ros2.run('topic', 'list').split()}
+    topics = {name for name, _ in ros2.stage.ros.node.get_topic_names_and_types()}
     assert {f'{place}/odom' for place in places} <= topics
     assert {'/house/kitchen/wheels', '/red/tf', '/tf'} <= topics
     assert not {'/house/kitchen/cmd_vel', '/deep/blue/tf'} & topics
     for place in simulated:
         assert port_of(place, ros2.stage.domain).is_symlink()
-    found = parameters(ros2, '/hall/create')
-    assert (found['port'], found['odom_frame']) == (hall, 'hall')
+    assert parameters(ros2, '/hall/create', 'port', 'odom_frame') == [hall, 'hall']
     assert 'web: not set' in launch.output
     ends_quietly(launch)
 
@@ -279,8 +270,7 @@ def test_a_killed_driver_ends_the_launch_or_starts_again(ros2, ports):
 @pytest.mark.parametrize('words, names', [
     (ARGUMENTS, 'port params namespace frame_prefix tf gyro capture use_sim_time log_level '
      'respawn description rviz web host control'),
-    ((*SIMULATION, '--show-args'), 'namespace world lidar params frame_prefix rviz web'),
-    ((*FLEET, '--show-args'), 'count')])
+    ((*SIMULATION, '--show-args'), 'namespace world lidar params frame_prefix rviz web')])
 def test_the_arguments_are_shown(ros2, words, names):
     shown = ros2.run('launch', *words)
     assert all(f"    '{name}':\n" in shown for name in names.split())
