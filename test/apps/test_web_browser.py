@@ -57,7 +57,7 @@ def stage(tmp_path_factory):
 @pytest.fixture
 def robot(stage):
     """Return the robot as new."""
-    stage.ready.renew(still=0.005)
+    stage.ready.renew()
     return stage.ready.robot
 
 

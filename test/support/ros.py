@@ -371,12 +371,8 @@ class Ready:
         self.ros.node.destroy_timer(timer)
         velocity.publish(Twist())
 
-    def renew(self, still: float = 0.0) -> None:
-        """
-        Put the robot back where it began, in Safe mode, and forget what a test listened to.
-
-        It waits until the robot is no faster than `still`, m/s and rad/s; to stand takes 3 s.
-        """
+    def renew(self) -> None:
+        """Put the robot back where it began, in Safe mode, and forget what a test listened to."""
         node, body = self.ros.node, self.robot.body
         for each in {*node.subscriptions} - self._kept:
             node.destroy_subscription(each)
@@ -392,7 +388,7 @@ class Ready:
         self.ros.call(Trigger, 'stop')
         self.ros.until(lambda: self.ros.call(SetMode, 'set_mode', mode=Mode.SAFE).success)
         self.until_mode(Mode.SAFE)
-        self.ros.until(lambda: max(map(abs, body.truth()[1:3])) <= still, 'the robot stands')
+        self.ros.until(lambda: not any(body.truth()[1:3]), 'the robot stands')
         body.place(Pose())
         self.ask(Trigger, 'reset_odometry')
 
