@@ -32,6 +32,7 @@ def anything() -> str:
 
 def test_a_file_says_what_was_written(tmp_path):
     before = parsed(anything())
+    assert read(tmp_path / 'model.yaml') is None
     write(tmp_path / 'model.yaml', before, {'banner': 'none'})
     after = read(tmp_path / 'model.yaml')
     assert after == before
@@ -90,10 +91,15 @@ def drive(stage: Scene, metres: float, robot) -> None:
     velocity.publish(Twist())
 
 
-def test_a_node_writes_what_it_learned_on_request(stage, tmp_path):
+def test_a_file_of_an_older_odometry_is_kept_aside_and_a_new_one_written_on_request(
+        stage, tmp_path):
     robot, file = stage.robot(), tmp_path / 'model.yaml'
+    file.write_text('format: 2\n')
     node = stage.node(robot.link, odometry_model=file)
-    stage.ros.until(lambda: 'does not exist: the odometry learns the robot' in node.output)
+    stage.ros.until(lambda: f'{file} does not exist: the odometry learns the robot' in node.output)
+    assert f'format 2 is of an older odometry: it is kept as {file}.old' in node.output
+    assert (tmp_path / 'model.yaml.old').read_text() == 'format: 2\n'
+    assert not file.exists()
     drive(stage, 0.4, robot)
     answer = stage.ros.call(Trigger, 'save_odometry_model')
     assert answer.success, answer.message
@@ -117,20 +123,6 @@ def test_a_node_starts_with_what_a_file_knows(stage, tmp_path):
                              if status.name == 'create: odometry' and status.values])
 
 
-def test_without_the_parameter_nothing_is_written(ready):
-    assert '-p odometry_model:=FILE' in ready.refused(Trigger, 'save_odometry_model')
-
-
-def test_a_file_of_an_older_odometry_is_kept_aside_and_the_robot_learned_anew(stage, tmp_path):
-    file = tmp_path / 'model.yaml'
-    file.write_text('format: 2\n')
-    node = stage.node(tmp_path / 'port', odometry_model=file)
-    stage.ros.until(lambda: f'{file} does not exist: the odometry learns' in node.output)
-    assert f'format 2 is of an older odometry: it is kept as {file}.old' in node.output
-    assert (tmp_path / 'model.yaml.old').read_text() == 'format: 2\n'
-    assert not file.exists()
-
-
 def test_a_broken_file_keeps_the_node_from_starting(stage, tmp_path):
     file = tmp_path / 'model.yaml'
     file.write_text('format: 9\n')
@@ -140,23 +132,17 @@ def test_a_broken_file_keeps_the_node_from_starting(stage, tmp_path):
     assert 'Traceback' not in node.output
 
 
-def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
-    target = tmp_path / 'model.yaml'
-    target.write_text('old')
-    target.chmod(0o640)
-    write_whole(target, b'new')
-    assert target.read_text() == 'new'
-    assert target.stat().st_mode & 0o777 == 0o640
-    assert list(tmp_path.iterdir()) == [target], 'nothing is left beside it'
-
-
-def test_a_link_stays_and_its_target_is_replaced(tmp_path: Path) -> None:
+def test_a_file_is_replaced_by_its_link_too_and_keeps_its_permissions(tmp_path: Path) -> None:
     target, link = tmp_path / 'model.yaml', tmp_path / 'link'
     target.write_text('old')
+    target.chmod(0o640)
     link.symlink_to(target)
-    write_whole(link, b'new')
+    for path in (target, link):
+        write_whole(path, path.name.encode())
+        assert target.read_text() == path.name
+        assert target.stat().st_mode & 0o777 == 0o640
     assert link.is_symlink()
-    assert target.read_text() == 'new'
+    assert {*tmp_path.iterdir()} == {target, link}, 'nothing is left beside it'
 
 
 @pytest.mark.parametrize('name', ['no/such/folder', '.'])
