@@ -158,16 +158,11 @@ def test_a_stick_commands_only_possible_speeds_and_often_enough():
     assert repeated * Parameters.cmd_vel_timeout > 2
 
 
-def test_the_filter_takes_speeds_from_the_driver(stage):
+def test_the_filter_takes_speeds_from_the_driver():
     filtered = nodes('ekf.yaml')['ekf_filter_node']
     assert filtered['odom0'] == ODOM.name and ODOM.type is Odometry
     taken = [place for place, used in enumerate(filtered['odom0_config']) if used]
     assert taken == [6, 7, 11]  # forward, sideways, turning: of fifteen
-    stage.node(stage.robot().link)
-    heard = stage.ros.listen(Odometry, 'odom')
-    stage.ros.until(lambda: heard, 'odometry')
-    for place in taken:  # known, and not beyond doubt
-        assert 0 < heard[-1].twist.covariance[7 * (place - 6)] < 0.1
     assert len(filtered['odom0_config']) == len(filtered['imu0_config']) == 15
     assert 'publish_tf:=false' in (PAGES / 'robot_localization.md').read_text('utf-8')
 

@@ -23,7 +23,6 @@ from create_oi_ros.ros.messages import yaw_of
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.loop import turn_difference
-from support.ros import Ready
 from tf2_msgs.msg import TFMessage
 
 
@@ -50,6 +49,8 @@ def test_a_drive_and_a_turn_agree_with_the_truth(ready):
     stamps = [nanoseconds(message) for message in odom]
     assert stamps == sorted(stamps)
     assert 0 < ready.ros.node.get_clock().now().nanoseconds - stamps[-1] < 5e9
+    for place in (0, 7, 35):  # forward, sideways, turning: known, and not beyond doubt
+        assert 0 < last.twist.covariance[place] < 0.1
 
 
 def nanoseconds(message) -> int:
@@ -124,9 +125,10 @@ def test_without_further_velocities_the_wheels_stop_and_one_that_is_no_number_is
     assert ready.set('cmd_vel_timeout', 0.5)
 
 
-def test_velocities_drive_whatever_node_namespace_and_topic_are_called(stage):
+def test_velocities_drive_whatever_all_is_called_and_a_signal_stops_the_wheels(stage):
     robot = stage.robot()
-    stage.node(robot.link, '__node:=mine', '__ns:=/robot1', 'cmd_vel:=/drive')
+    node = stage.node(robot.link, '__node:=mine', '__ns:=/robot1', 'cmd_vel:=/drive',
+                      cmd_vel_timeout=10.0)
     velocity = stage.ros.node.create_publisher(Twist, 'drive', 1)
 
     def drives() -> bool:
@@ -135,6 +137,12 @@ def test_velocities_drive_whatever_node_namespace_and_topic_are_called(stage):
     stage.ros.until(drives)
     names = stage.ros.node.get_node_names_and_namespaces()
     assert {('mine', '/robot1'), ('mine_cmd_vel', '/robot1')} <= set(names)
+    assert robot.body.truth().speed > 0.1
+    node.send(signal.SIGTERM)  # nightly: all signals
+    assert node.ended() == 0
+    stage.ros.until(lambda: robot.body.truth().speed == 0)
+    assert robot.create.mode is oi.Mode.PASSIVE
+    assert 'Traceback' not in node.output
 
 
 def test_set_mode_answers_when_the_robot_is_in_it_and_refuses_others(ready):
@@ -164,16 +172,6 @@ def test_stop_and_reset_odometry(ready):
     ready.ros.until(lambda: odom[-1].pose.pose.position.y == pytest.approx(2, abs=0.001))
     assert odom[-1].pose.pose.orientation.z == pytest.approx(1, abs=0.001)
     assert ready.set('cmd_vel_timeout', 0.5)
-
-
-def test_a_signal_stops_the_wheels_and_leaves_passive(stage):
-    ready = Ready(stage, cmd_vel_timeout=10.0)
-    ready.drive(0.2, 0.0, lambda: ready.robot.body.truth().speed > 0.1)
-    ready.node.send(signal.SIGTERM)  # nightly: all signals
-    assert ready.node.ended() == 0
-    ready.ros.until(lambda: ready.robot.body.truth().speed == 0)
-    assert ready.robot.create.mode is oi.Mode.PASSIVE
-    assert 'Traceback' not in ready.node.output
 
 
 def test_a_port_that_is_missing_is_named_once(stage):
