@@ -27,7 +27,7 @@ from std_srvs.srv import Trigger
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.ros.actions import malformed
 from create_oi_ros.sim.world import parse
-from support.ros import Listener, Ready
+from support.ros import Listener, Ready, scene
 
 TUNE = (AudioNoteSequence, 'audio_note_sequence')
 BASE = parse('start 0.4 0 180\nhome_base 0 0 0', 'base')
@@ -111,6 +111,13 @@ class Driving:
 
 
 @pytest.fixture(scope='module')
+def shared(tmp_path_factory):
+    """Return a robot and its node, which also goes to places that are published."""
+    with scene(tmp_path_factory.mktemp('shared')) as made:
+        yield Ready(made, goal_pose=True)
+
+
+@pytest.fixture(scope='module')
 def shared_robot(shared):
     """Return a client of the robot that all tests share."""
     made = Driving(shared)
@@ -175,8 +182,7 @@ def test_a_place_in_the_odometry_frame_is_reached(driving):
         feedback.ROTATING_TO_GOAL_ORIENTATION]
 
 
-def test_the_robot_drives_to_a_place_that_is_published(start):
-    driving = start(goal_pose=True)
+def test_the_robot_drives_to_a_place_that_is_published(driving):
     places = driving.ros.node.create_publisher(PoseStamped, 'goal_pose', 1)
     driving.ros.until(places.get_subscription_count, 'goal_pose')
     places.publish(PoseStamped(header=Header(frame_id='map')))
@@ -286,20 +292,16 @@ rclpy.spin(node)
 """
 
 
-def test_a_goal_ends_when_its_client_has_gone(stage):
-    ready = Ready(stage)  # of a shared one, another client would still be there
+def test_a_goal_ends_when_its_client_the_robot_or_the_driver_has_gone(start, stage):
+    driving = start()  # of a shared one, another client would still be there
     script = stage.folder / 'brief.py'
     script.write_text(CLIENT)
     client = stage.script(script)
-    ready.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
-    ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1, 'the robot moves')
+    driving.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
+    driving.ros.until(lambda: driving.robot.body.truth().speed > 0.1, 'the robot moves')
     client.send(signal.SIGINT)
-    ready.ros.until(lambda: ready.robot.create.actuators.wheels == (0, 0), 'the wheels stand')
-    assert ready.robot.body.truth().travelled < 4.0
-
-
-def test_a_client_hears_that_the_robot_or_the_driver_is_gone(start):
-    driving = start()
+    driving.ros.until(lambda: driving.asked_to_stand, 'the wheels stand')
+    assert driving.robot.body.truth().travelled < 4.0
     sent = driving.moving()
     driving.robot.unplug()
     assert sent.result().error_code == Code.LINK
@@ -320,20 +322,14 @@ RING_TONE = f'scale:d=16,o=5,b=180:{",".join(4 * "c c# d d# e f f# g g# a a#".sp
 """44 notes."""
 
 
-@pytest.fixture
-def client(driving):
-    """Return a client of the shared robot's actions."""
-    return driving.client
-
-
-def play(client, notes, **fields):
+def play(driving, notes, **fields):
     """Ask for a tune."""
-    return client.send(AudioNoteSequence, 'audio_note_sequence', notes=notes, **fields)
+    return driving.send(*TUNE, notes=notes, **fields)
 
 
-def test_a_long_tune_is_played_while_the_robot_drives(ready, client):
-    tune = play(client, RING_TONE)
-    drive = client.send(DriveDistance, 'drive_distance', distance=0.1)
+def test_a_long_tune_is_played_while_the_robot_drives(driving):
+    tune = play(driving, RING_TONE)
+    drive = driving.send(DriveDistance, 'drive_distance', distance=0.1)
     assert drive.result().success
     assert tune.result().success, tune.result().message
     assert tune.status == GoalStatus.STATUS_SUCCEEDED
@@ -345,11 +341,11 @@ def test_a_long_tune_is_played_while_the_robot_drives(ready, client):
     assert 44 / 12 - 0.1 < seconds < 44 / 12 + 2
 
 
-def test_a_tune_is_canceled(ready, client):
-    tune = play(client, '60:1/8 rest:1/8', iterations=AudioNoteSequence.Goal.INFINITE)
-    ready.ros.until(lambda: tune.feedback and tune.feedback[-1].iterations_played > 1, 'rounds')
+def test_a_tune_is_canceled(driving):
+    tune = play(driving, '60:1/8 rest:1/8', iterations=AudioNoteSequence.Goal.INFINITE)
+    driving.ros.until(lambda: tune.feedback and tune.feedback[-1].iterations_played > 1, 'rounds')
     assert {each.note for each in tune.feedback} == {'C4', 'rest'}
-    assert 'a tune plays: cancel its goal' in play(client, 'C4:1').result().message
+    assert 'a tune plays: cancel its goal' in play(driving, 'C4:1').result().message
     assert tune.cancel()
     assert 'canceled; the song that plays goes on' in tune.result().message
     assert tune.status == GoalStatus.STATUS_CANCELED
