@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What services ask of a driver, in memory."""
 
-
-
 from create_oi_ros import oi
 from create_oi_ros.driver import Outcome
 from support.loop import Loop

@@ -8,7 +8,6 @@ from pathlib import Path
 import re
 import shlex
 
-from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.topics import ALL_TOPICS
 
 ROOT = Path(__file__).parents[2]
@@ -58,10 +57,3 @@ def _ros2_commands() -> Iterator[list[str]]:
     for file in EXAMPLES:
         yield from map(shlex.split, re.findall(
             '^(?:    |# )(ros2 .+)', file.read_text('utf-8'), re.M))
-
-
-def check_parameters(arguments: list[str]) -> None:
-    """Check that `-p NAME:=VALUE` names parameters of the node."""
-    for before, word in zip(arguments, arguments[1:]):
-        if before == '-p':
-            assert word.partition(':=')[0] in Parameters.__dataclass_fields__
