@@ -14,11 +14,12 @@ from geometry_msgs.msg import Twist
 import pytest
 
 from create_oi_ros.apps.web.access import BURST, DriverSeat, LONGEST_MESSAGE, MOST_VIEWERS
-from create_oi_ros.apps.web.create_web import main
+from create_oi_ros.apps.web.create_web import listen, main
 from create_oi_ros.apps.web.live_robot import BatteryTime, MOST_POINTS, TrackLog
 from create_oi_ros.apps.web.viewers import MOST_CALLS
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros.collector import FlatPose
+from create_oi_ros.ros.programs import UserError
 from create_oi_ros.sim.world import shipped
 from support.simulator import taught
 from support.web import IN_TIME, LONG, ready, Relay, served, standing, stops_in_time
@@ -357,20 +358,17 @@ def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
     assert words in capsys.readouterr().err
 
 
-def test_a_port_or_address_that_cannot_be_served_is_said_in_a_line(stage):
+def test_a_port_or_address_that_cannot_be_served_is_said():
     with socket.create_server(('127.0.0.1', 0)) as taken:
         port = taken.getsockname()[1]
         for arguments, words in (
                 (('--port', str(port)), f'port {port} is in use on 127.0.0.1'),
                 (('--host', '192.0.2.1'), 'cannot listen on 192.0.2.1'),
                 (('--host', 'no such host'), '--host no such host:')):
-            web = stage.program('create_web', *arguments)
-            assert web.ended() == 2
-            assert words in web.output and len(web.output.splitlines()) == 1
+            with pytest.raises(UserError, match=words):
+                main(arguments)
 
 
-def test_without_a_port_the_next_free_one_is_taken(stage):
-    first, second = (stage.program('create_web') for _ in range(2))
-    stage.ros.until(lambda: 'open http' in first.output and 'open http' in second.output)
-    assert first.output.partition('open ')[2].split()[0] != second.output.partition(
-        'open ')[2].split()[0]
+def test_without_a_port_the_next_free_one_is_taken():
+    with listen('127.0.0.1', None) as first, listen('127.0.0.1', None) as second:
+        assert first.getsockname()[1] < second.getsockname()[1]
