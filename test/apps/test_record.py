@@ -88,12 +88,12 @@ class Commands:
         self.recorder = stage.program('create_record', '-o', str(folder), terminal=True)
         stage.ros.until(lambda: 'until Ctrl-C' in self.recorder.output)
 
-    def publish(self, type_: type, qos: QoSProfile | int = 1, topics: int = 1) -> Any:
-        """Publish zeros as another program until so many topics are recorded; return it."""
+    def publish(self, type_: type, qos: QoSProfile | int = 1) -> Any:
+        """Publish zeros as another program until they are recorded; return it."""
         other = self._stage.listener(f'sends_{type_.__name__.lower()}')
         publisher = other.node.create_publisher(type_, 'cmd_vel', qos)
         other.node.create_timer(0.05, lambda: publisher.publish(type_()))
-        other.until(lambda: amount(self.recorder)[1] == topics, 'it is recorded')
+        other.until(lambda: amount(self.recorder)[1], 'it is recorded')
         return other
 
     def types(self) -> list[str]:
@@ -105,11 +105,11 @@ class Commands:
                     if each.topic == '/cmd_vel' and each.msgcount]
 
 
-@pytest.mark.parametrize('qos', [1, qos_profile_sensor_data], ids=['reliable', 'best effort'])
 @pytest.mark.parametrize('type_', [Twist, TwistStamped])
-def test_commands_are_recorded_in_the_type_of_their_publisher(stage, tmp_path, type_, qos):
+def test_best_effort_commands_are_recorded_in_the_type_of_their_publisher(
+        stage, tmp_path, type_):
     commands = Commands(stage, tmp_path / 'walk')
-    commands.publish(type_, qos)
+    commands.publish(type_, qos_profile_sensor_data)
     assert commands.types() == [f'geometry_msgs/msg/{type_.__name__}']
 
 
