@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The launch files, started by the real `ros2 launch`; the graph shows what came of it."""
+"""The launch files, by the real `ros2 launch`; graph and `ros2 param` show what came of it."""
 
 from collections.abc import Sequence
 import os
@@ -62,9 +62,10 @@ def parameters(ros2: Ros2, node: str, *names: str) -> list[object]:
 
 
 def wait_for_nodes(ros2: Ros2, *names: str) -> None:
-    """Wait until the graph has these nodes, and no other but that of the test."""
+    """Wait until the graph has these nodes, and no other but that of the test and hidden ones."""
     ros, wanted = ros2.stage.ros, sorted([*names, '/listener'])
-    ros.until(lambda: sorted(ros.node.get_fully_qualified_node_names()) == wanted, f'{wanted}')
+    ros.until(lambda: sorted(name for name in ros.node.get_fully_qualified_node_names()
+                             if not name.startswith('/_')) == wanted, f'{wanted}')
 
 
 def port_of(namespace: str, domain: int) -> Path:
@@ -87,7 +88,7 @@ def test_driver_model_and_rviz_are_launched(ros2, ports):
     launch = ros2.launch(*at(ports[0], WITH_RVIZ))
     launch.until(ANSWERS)
     wait_for_nodes(ros2, '/create', '/create_cmd_vel')
-    assert parameters(ros2, '/create', 'port', 'odom_frame') == [str(ports[0]), 'odom']
+    assert ros2.run('param', 'get', '/create', 'port').strip() == f'String value is: {ports[0]}'
     model, = launch.started('robot_state_publisher')
     assert model.parameters['robot_description'].startswith('<?xml')
     assert model.parameters['frame_prefix'] == ''
@@ -158,6 +159,8 @@ def test_each_robot_of_a_fleet_has_its_namespace_and_frames_and_follows_its_own_
     launch.until(ANSWERS, 3)
     wait_for_nodes(ros2, *(f'/{name}/{node}' for name in names
                            for node in ('create', 'create_cmd_vel')))
+    assert ros2.run('param', 'get', '/robot2/create', 'odom_frame').strip() == (
+        'String value is: robot2/odom')
     velocity = ros.node.create_publisher(Twist, '/robot2/cmd_vel', 1)
     timer = ros.node.create_timer(0.1, lambda: velocity.publish(Twist(linear=Vector3(x=0.2))))
     ros.until(lambda: all(heard.values()) and heard['robot2'][-1].pose.pose.position.x > 0.2)
@@ -270,7 +273,8 @@ def test_a_killed_driver_ends_the_launch_or_starts_again(ros2, ports):
 @pytest.mark.parametrize('words, names', [
     (ARGUMENTS, 'port params namespace frame_prefix tf gyro capture use_sim_time log_level '
      'respawn description rviz web host control'),
-    ((*SIMULATION, '--show-args'), 'namespace world lidar params frame_prefix rviz web')])
+    ((*SIMULATION, '--show-args'), 'namespace world lidar params frame_prefix rviz web'),
+    ((*FLEET, '--show-args'), 'count')])
 def test_the_arguments_are_shown(ros2, words, names):
     shown = ros2.run('launch', *words)
     assert all(f"    '{name}':\n" in shown for name in names.split())
