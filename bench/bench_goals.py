@@ -19,12 +19,12 @@ from create_oi_ros import oi
 from create_oi_ros.driver.goals import DriveDistance, RotateAngle
 from odometry_loop import Journey
 from results import Figure, percentile, run
-from robots import CLASSES, spread
+from robots import anywhere, centre, spread
 
 GOALS = 1000
 EACH = 10
 """Goals of a robot."""
-KINDS = ('centre', 'all ranges')
+KINDS = {'centre': centre, 'all ranges': anywhere}
 MADE = {'drive_distance': DriveDistance, 'rotate_angle': RotateAngle}
 LATENCY = 0.005
 FIRST_SEED = 10_000
@@ -81,8 +81,7 @@ def series(job: tuple[str, int]) -> list[Score]:
     """Let one robot pursue some goals."""
     kind, seed = job
     random = Random(f'{kind} {seed}')
-    robot = CLASSES[kind](random)
-    journey = Journey(robot, seed, latency=LATENCY)
+    journey = Journey(KINDS[kind](random), seed, latency=LATENCY)
     while journey.now < 1.0:
         journey.go()
     return [pursue(journey, kind, *wish(random)) for _ in range(EACH)]

@@ -17,6 +17,7 @@ from statistics import median
 from time import monotonic, sleep
 from typing import Any, NamedTuple
 
+from create_oi_ros.sim.server.create_sim import say
 from results import Figure, repeated, run
 from scene import drives, Scene, scene
 
@@ -71,12 +72,9 @@ def bump_latencies(presses: list[float], received: list[Any]) -> list[float]:
 def press(stage: Scene) -> None:
     """Press and release the simulated bumper at random times."""
     random = Random(1)
-    with stage.control_socket() as send:
-        for _ in range(PRESSES):
-            sleep(random.uniform(0.025, 0.04))
-            send('force bump_left=1')
-            sleep(random.uniform(0.025, 0.04))
-            send('force bump_left=0')
+    for pressed in (1, 0) * PRESSES:
+        sleep(random.uniform(0.025, 0.04))
+        say(f'force bump_left={pressed}', stage.control)
 
 
 def measured(*, floor: bool = False) -> Latencies:

@@ -7,8 +7,6 @@ A simulated robot, its driver and `create_web`, without a page and with one that
 """
 
 import asyncio
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 import json
 import re
 from time import monotonic, sleep
@@ -27,18 +25,11 @@ MOST = 5.0
 """% of a core with one page."""
 
 
-@asynccontextmanager
-async def page(port: int) -> AsyncIterator[aiohttp.ClientWebSocketResponse]:
-    """Yield a connection as the page has it."""
+async def share_with_a_page(web: Process, port: int) -> float:
+    """Return the processor share, %, of a server whose only page holds the stick."""
     address = f'http://127.0.0.1:{port}'
     async with (aiohttp.ClientSession() as session,
                 session.ws_connect(f'{address}/live', origin=address) as connection):
-        yield connection
-
-
-async def share_with_a_page(web: Process, port: int) -> float:
-    """Return the processor share, %, of a server whose only page holds the stick."""
-    async with page(port) as connection:
         measured = asyncio.create_task(asyncio.to_thread(shares, WATCH, web))
         while not measured.done():
             news = json.loads((await connection.receive()).data)

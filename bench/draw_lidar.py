@@ -2,39 +2,33 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draw docs/lidar.png: `python bench/draw_lidar.py [PATH]`, what a lap's scans draw."""
 
-import sys
-
-import numpy as np
-from PIL import Image, ImageDraw
+import matplotlib
 
 from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.sim.world import shipped
 from lap import lap
 
-SCALE, MARGIN = 100, 12
-"""Pixels of a metre, and around the apartment of 8 m by 6 m."""
-SMOOTH = 2
-"""The picture is drawn so many times larger, and reduced."""
+matplotlib.use('Agg')
+
+from matplotlib import pyplot
+
+WIDTH, HEIGHT, MARGIN = 8, 6, 0.12
+"""Metres of the apartment and around it; a metre is an inch."""
 PAPER, MET, TRACK, ROBOT = '#fbfaf7', '#d1495b', '#00798c', '#30343f'
 
 
 def main() -> None:
     """Draw the ends of all beams, the track of the odometry, and the robot at its end."""
     scans = list(lap(shipped('apartment')))
-    size = SMOOTH * (8 * SCALE + 2 * MARGIN), SMOOTH * (6 * SCALE + 2 * MARGIN)
-    picture = Image.new('RGB', size, PAPER)
-    draw = ImageDraw.Draw(picture)
-
-    def pixel(x: float, y: float) -> tuple[float, float]:
-        return SMOOTH * (MARGIN + SCALE * x), SMOOTH * (MARGIN + SCALE * (6 - y))
+    figure = pyplot.figure(figsize=(WIDTH + 2 * MARGIN, HEIGHT + 2 * MARGIN), facecolor=PAPER)
+    axes = figure.add_axes((0, 0, 1, 1), xlim=(-MARGIN, WIDTH + MARGIN),
+                           ylim=(-MARGIN, HEIGHT + MARGIN))
+    axes.axis('off')
     for scan in scans:
-        met = np.isfinite(scan.x)
-        draw.point([pixel(*each) for each in zip(scan.x[met], scan.y[met])], MET)
-    draw.line([pixel(*scan.robot[:2]) for scan in scans], TRACK, 2 * SMOOTH)
-    (x, y), radius = pixel(*scans[-1].robot[:2]), SMOOTH * SCALE * BODY_RADIUS
-    draw.ellipse((x - radius, y - radius, x + radius, y + radius), outline=ROBOT, width=2 * SMOOTH)
-    picture.resize((size[0] // SMOOTH, size[1] // SMOOTH), Image.Resampling.LANCZOS).quantize(
-        32).save(sys.argv[1] if len(sys.argv) > 1 else 'docs/lidar.png', optimize=True)
+        axes.plot(scan.x, scan.y, ',', color=MET)
+    axes.plot(*zip(*(scan.robot[:2] for scan in scans)), color=TRACK)
+    axes.add_patch(pyplot.Circle(scans[-1].robot[:2], BODY_RADIUS, fill=False, color=ROBOT))
+    figure.savefig('docs/lidar.png', dpi=100, metadata={'Software': None})
 
 
 if __name__ == '__main__':

@@ -3,9 +3,7 @@
 """Draw docs/odometry.png: `python bench/draw_odometry.py [PATH]`, two minutes of mixed driving."""
 
 from dataclasses import replace
-from pathlib import Path
 from random import Random
-import sys
 
 import matplotlib
 
@@ -66,8 +64,7 @@ def main() -> None:
         axes.set_xlabel('x, m')
     every[0].set_ylabel('y, m')
     every[0].legend(fontsize=8, loc='best')
-    path = Path(sys.argv[1] if len(sys.argv) > 1 else 'docs/odometry.png')
-    figure.savefig(path, dpi=110, metadata={'Software': None})
+    figure.savefig('docs/odometry.png', dpi=110, metadata={'Software': None})
 
 
 if __name__ == '__main__':

@@ -36,10 +36,10 @@ class Laid(NamedTuple):
     robot: Pose
 
 
-def lap(world: World, *, by_truth: bool = False, settings: Settings | None = None, seed: int = 0,
+def lap(world: World, *, settings: Settings | None = None, seed: int = 0,
         stand: float = 4.0) -> Iterator[Laid]:
     """
-    Drive the way by the odometry, or by the truth; yield each scan laid out along it.
+    Drive the way by the odometry; yield each scan laid out along it.
 
     The robot stands for so many seconds first. Its gyro, which differs by seed, is read only if
     the settings have one.
@@ -62,8 +62,6 @@ def lap(world: World, *, by_truth: bool = False, settings: Settings | None = Non
             continue
         x, y = world.start.ahead(moved.estimate.x, moved.estimate.y)
         here = Pose(x, y, world.start.yaw + moved.estimate.yaw)
-        if by_truth:
-            x, y, _ = here = body.truth().pose
         slots.append((robot.time, *here))
         lidar.step(robot.time, body.truth().pose)
         if lidar.scans > scans and now > commanded:

@@ -13,17 +13,17 @@ from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry
 from drives import DRIVES
 from odometry_loop import Journey
 from results import Figure
-from robots import CLASSES
+from robots import anywhere
 
-KIND, SEED = 'all ranges', 70_000
+SEED = 70_000
 SECONDS, LATENCY = 120.0, 0.005
 PLAYED = 3
 """Times that a drive is played. Of each update the shortest time counts, for what interrupts this
 program is no cost of the odometry."""
 KNOWN = 60.0
 """Seconds after which a robot is known."""
-FIRST, LATER = (60.0, 1500.0), (60.0, 1500.0)
-"""Targets before and after that, us: mean and slowest."""
+MEAN, SLOWEST = 60.0, 1500.0
+"""Targets, us."""
 
 
 class Recorder(Odometry):
@@ -41,8 +41,8 @@ class Recorder(Odometry):
 
 def recorded(style: str) -> Recorder:
     """Drive a robot that nobody knows; return its odometry."""
-    random = Random(f'{KIND} {SEED} {style}')
-    robot = CLASSES[KIND](random)
+    random = Random(f'all ranges {SEED} {style}')
+    robot = anywhere(random)
     odometry = Recorder(robot.geometry)
     journey = Journey(robot, SEED, latency=LATENCY, odometry=odometry)
     journey.drive(list(DRIVES[style](random, SECONDS)), SECONDS)
@@ -59,23 +59,22 @@ def played(increments: Sequence[Increment], geometry: Geometry) -> list[float]:
     return costs
 
 
-def cost(style: str) -> tuple[list[float], int]:
-    """Return the cost of each update in a kind of drive, us, and how many come before `KNOWN`."""
+def cost(style: str) -> tuple[list[float], list[float]]:
+    """Return the cost of each update in a kind of drive, us, before `KNOWN` and after it."""
     drive = recorded(style)
     every = [min(times) for times in zip(
         *(played(drive.increments, drive.geometry) for _ in range(PLAYED)))]
-    return every, bisect(list(accumulate(each.dt for each in drive.increments)), KNOWN)
+    known = bisect(list(accumulate(each.dt for each in drive.increments)), KNOWN)
+    return every[:known], every[known:]
 
 
 def costs() -> list[Figure]:
     """Return what an update costs in each kind of drive."""
     found = {style: cost(style) for style in DRIVES}
-    first = {style: some[:many] for style, (some, many) in found.items()}
-    later = {style: some[many:] for style, (some, many) in found.items()}
     made = []
-    for when, most, parts in (('in the first minute', FIRST, first), ('later', LATER, later)):
-        every = [each for part in parts.values() for each in part]
-        made += [Figure(f'an update, {when}: mean', mean(every), 'us', most[0], beside=', '.join(
-                     f'{style} {mean(part):.0f}' for style, part in parts.items())),
-                 Figure(f'an update, {when}: slowest', max(every), 'us', most[1])]
+    for when, parts in zip(('in the first minute', 'later'), zip(*found.values())):
+        every = [each for part in parts for each in part]
+        made += [Figure(f'an update, {when}: mean', mean(every), 'us', MEAN, beside=', '.join(
+                     f'{style} {mean(part):.0f}' for style, part in zip(found, parts))),
+                 Figure(f'an update, {when}: slowest', max(every), 'us', SLOWEST)]
     return made

@@ -68,20 +68,18 @@ class Journey:
         self.estimate = Estimate()
         self.moves: list[tuple[float, Estimate, Truth]] = []
         """Each frame's estimate, with the truth when it arrived."""
-        self.most_sigmas = 0.0
-        """The most standard deviations that an estimate was off in yaw, at any moment."""
         self._turned: dict[float, float] = {}
         """How far the robot had turned when it sent something: a frame tells of that moment."""
         self.counts: list[Counts] = []
         """What the encoders had counted after each slot."""
-        self.turned = self.path = 0.0
+        self.turned = 0.0
         self._steps = 0
         self.driver.connected(0.0)
 
     def go(self) -> None:
         """Let a step of time pass."""
         self.now += self._step
-        before = self.body.truth()
+        before = self.body.truth().turned
         self.robot.poll(self.now)
         if sent := self._damage(self.robot.data_to_send()):
             self._down.put(sent, self.now)
@@ -95,17 +93,10 @@ class Journey:
             if isinstance(event, Moved):
                 self.estimate = event.estimate
                 self.moves.append((event.stamp, event.estimate, truth))
-                self._look_how_sure(event.estimate)
         self._steps += 1
         if self._steps % TURNS == 0:
             self.counts.append(Counts(self.body.distance_total, self.body.angle_total))
-        self.turned += abs(truth.turned - before.turned)
-        self.path += abs(truth.travelled - before.travelled)
-
-    def _look_how_sure(self, e: Estimate) -> None:
-        """Note how many of its standard deviations an estimate is off."""
-        off = abs(e.yaw - self._turned[self._down.sent]) / e.pose_covariance[8] ** 0.5
-        self.most_sigmas = max(self.most_sigmas, off)
+        self.turned += abs(truth.turned - before)
 
     def drive(self, wishes: Sequence[Wish], seconds: float) -> None:
         """Drive by cmd_vel, as a user does."""

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from create_oi_ros.oi.tools.tables import columns
 
 RESULTS = Path(__file__).with_name('results.json')
-PART = re.compile('[,:] (95th percentile|at least|at most|mean|slowest|truncate|round|carry)$')
+PART = re.compile('[,:] (mean|slowest|truncate|round|carry)$')
 """Ends of the names of figures that share a row of a table."""
 
 
@@ -33,8 +33,7 @@ class Figure(NamedTuple):
     """None: not measured."""
     unit: str
     target: float | None = None
-    at_least: bool = False
-    """Whether the target is a minimum; else it is a maximum."""
+    """The most that is wanted."""
     worst: float | None = None
     """The worst of the repetitions; the value is their median."""
     beside: str = ''
@@ -45,8 +44,7 @@ class Figure(NamedTuple):
         """`met` or `missed`; empty without a target."""
         if self.target is None or self.value is None:
             return ''
-        met = self.value >= self.target if self.at_least else self.value <= self.target
-        return 'met' if met else 'missed'
+        return 'met' if self.value <= self.target else 'missed'
 
 
 def repeated(what: str, values: Sequence[float], unit: str, target: float | None = None,
@@ -66,7 +64,7 @@ def machine() -> dict[str, Any]:
     return {
         'date': datetime.now(UTC).isoformat(timespec='minutes'),
         'processor': models[0] if models else platform.machine(), 'cores': os.cpu_count(),
-        'load before': round(os.getloadavg()[0], 1), 'system': platform.system(),
+        'load before': round(os.getloadavg()[0], 1),
         'python': platform.python_version()}
 
 
@@ -74,12 +72,11 @@ def rows(figures: Sequence[Figure]) -> list[list[str]]:
     """Return a table, its heading first; figures of one thing share a row, missed is bold."""
     things: dict[str, dict[str, Figure]] = {}
     for figure in figures:
-        what = re.sub('(, [a-z]+)(: (?:off|% of the way).*)', r'\2\1', figure.what)
-        thing, *part = PART.split(what)
+        thing, *part = PART.split(figure.what)
         things.setdefault(thing, {})[part[0] if part else ''] = figure
     table = [['what', 'value', 'target', 'beside']]
     for thing, parts in things.items():
-        what = thing if {'', 'at least'} & parts.keys() else f'{thing}: {", ".join(parts)}'
+        what = thing if '' in parts else f'{thing}: {", ".join(parts)}'
         columns = zip(*(cells(figure) for figure in parts.values()))
         table.append([what, *(each[0] if len(set(each)) == 1 else ', '.join(filter(None, each))
                               for each in columns)])
@@ -94,7 +91,7 @@ def cells(figure: Figure) -> list[str]:
     target = ''
     if figure.target is not None:
         mark = '**' if figure.verdict == 'missed' else ''
-        target = f'{mark}{">=" if figure.at_least else "<="} {number(figure.target)}{mark}'
+        target = f'{mark}<= {number(figure.target)}{mark}'
     return [number(figure.value) + unit + worst, target, figure.beside]
 
 
@@ -105,21 +102,20 @@ def number(value: float | None) -> str:
     return f'{value:,.0f}' if value >= 1000 else f'{value:.3g}'
 
 
-def load(path: Path = RESULTS) -> dict[str, Any]:
-    """Return the results in a file, by program; empty if there is no file."""
-    return json.loads(path.read_text('utf-8')) if path.exists() else {}
+def load() -> dict[str, Any]:
+    """Return the saved results, by program; empty if there is no file."""
+    return json.loads(RESULTS.read_text('utf-8')) if RESULTS.exists() else {}
 
 
 def figures_of(results: dict[str, Any], program: str) -> list[Figure]:
     return [Figure(**each) for each in results[program]['figures']]
 
 
-def keep(program: str, figures: Sequence[Figure], where: dict[str, Any],
-         path: Path = RESULTS) -> None:
+def keep(program: str, figures: Sequence[Figure], where: dict[str, Any]) -> None:
     """Save the figures of a program in the file, in place of its older ones."""
-    results = load(path)
+    results = load()
     results[program] = {'where': where, 'figures': [figure._asdict() for figure in figures]}
-    path.write_text(written(results), 'utf-8')
+    RESULTS.write_text(written(results), 'utf-8')
 
 
 def written(results: dict[str, Any]) -> str:

@@ -78,7 +78,3 @@ def unsteady(random: Random) -> Robot:
     return replace(drawn, config=replace(
         drawn.config, speed_jitter=spread(random, *JITTERS),
         speed_wander=random.uniform(*WANDERS)))
-
-
-CLASSES = {'centre': centre, 'all ranges': anywhere, 'carried, true sign': exact,
-           'all ranges, unsteady': unsteady}

@@ -6,13 +6,12 @@ Processes for the bench programs: a simulated robot, the node or the floor, and 
 All of a scene run in one ROS domain. Run nothing else in that domain meanwhile.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, ExitStack
 import json
 import os
 from pathlib import Path
 import signal
-import socket
 import subprocess
 import sys
 from tempfile import TemporaryDirectory
@@ -162,20 +161,6 @@ class Scene:
     @property
     def control(self) -> Path:
         return self.folder / 'control'
-
-    @contextmanager
-    def control_socket(self) -> Iterator[Callable[[str], str]]:
-        """Connect to the control socket; yield a function that sends a line; its answer."""
-        with socket.socket(socket.AF_UNIX) as connection:
-            connection.connect(str(self.control))
-            with connection.makefile('r') as answers:
-                def send(line: str) -> str:
-                    connection.sendall(line.encode() + b'\n')
-                    answer = answers.readline()
-                    if not answer.startswith('ok'):
-                        raise RuntimeError(f'{line}: {answer}')
-                    return answer.removeprefix('ok ')
-                yield send
 
     def driver(self, *, floor: bool = False) -> Process:
         """Start the node, or the floor (programs/floor.py)."""
