@@ -16,12 +16,13 @@ from math import degrees
 from multiprocessing import Pool
 from random import Random
 from statistics import mean
+from typing import Any
 
 from create_oi_ros.odometry import GyroSettings, Knowledge
 from create_oi_ros.robot import SLOT
 from create_oi_ros.sim.body import Body
 from drives import DRIVES
-from odometry_loop import Journey, TURNS
+from odometry_loop import Journey
 from odometry_rig import bursts, nothing, slip
 from results import Figure, run
 from robots import centre
@@ -62,33 +63,22 @@ FLOORS = {
     'lifted and turned at once': (0.0, partial(turned_by_hand, ramp=SLOT))}
 
 
-class Minute(Journey):
-    """A journey in which something may happen."""
+def journey_on(part: float, seed: int, **options: Any) -> Journey:
+    """Return a journey of a robot with a gyro on a floor where wheels slip by a part."""
+    robot = centre(Random(seed))
+    return Journey(replace(robot, config=replace(
+        robot.config, gyro=True, right_slip=part, left_slip=part)), seed, latency=LATENCY,
+        **options)
 
-    def __init__(self, floor: str, seed: int, **options: object) -> None:
-        part, event = FLOORS[floor]
-        robot = centre(Random(seed))
-        super().__init__(replace(robot, config=replace(
-            robot.config, gyro=True, right_slip=part, left_slip=part)), seed, latency=LATENCY,
-            **options)
-        self._event = event(Random(f'{floor} {seed}'), self.body)
-        self.happens = False
 
-    def go(self) -> None:
-        """Let a step of time pass."""
-        if self.happens and self._steps % TURNS == 0:
-            next(self._event)
-        super().go()
-
-    @property
-    def off(self) -> float:
-        """Degrees."""
-        return degrees(self.estimate.yaw - self.body.truth().turned)
+def off(journey: Journey) -> float:
+    """Return the error of the heading, degrees."""
+    return degrees(journey.estimate.yaw - journey.body.truth().turned)
 
 
 def learned(seed: int) -> Knowledge:
     """Return what a driver has learned of a robot and its gyro on a hard floor."""
-    first = Minute('hard floor', seed, gyro=SHEET)
+    first = journey_on(0.0, seed, gyro=SHEET)
     turns = [(30.0 + 7 * turn + at, 0.0, rate) for turn in range(6)
              for at, rate in ((0.0, 1.3 if turn % 2 else -1.3), (5.0, 0.0))]
     rest = [(75.0 + at, *wish) for at, *wish in DRIVES['straight'](Random(seed), 85.0)]
@@ -101,12 +91,13 @@ def learned(seed: int) -> Knowledge:
 def minute(job: tuple[str, int, Knowledge, bool]) -> tuple[str, bool, float]:
     """Drive for a minute; return the error that it has added, degrees."""
     floor, seed, known, gyro = job
-    journey = Minute(floor, seed, gyro=SHEET if gyro else None, known=known)
+    part, event = FLOORS[floor]
+    journey = journey_on(part, seed, gyro=SHEET if gyro else None, known=known)
     journey.drive([], REST)
-    before, journey.happens = journey.off, True
+    before, journey.event = off(journey), event(Random(f'{floor} {seed}'), journey.body)
     wishes = DRIVES[STYLES[seed % len(STYLES)]](Random(seed), MINUTE)
     journey.drive([(REST + at, linear, angular) for at, linear, angular in wishes], REST + MINUTE)
-    return floor, gyro, abs(journey.off - before)
+    return floor, gyro, abs(off(journey) - before)
 
 
 def measure() -> list[Figure]:
@@ -116,7 +107,7 @@ def measure() -> list[Figure]:
         jobs = [(floor, seed, robot, gyro) for floor in FLOORS
                 for seed, robot in zip(SEEDS, known) for gyro in (True, False)]
         found = pool.map(minute, jobs, chunksize=1)
-    errors = {(floor, gyro): [off for at, had, off in found if (at, had) == (floor, gyro)]
+    errors = {(floor, gyro): [error for at, had, error in found if (at, had) == (floor, gyro)]
               for floor in FLOORS for gyro in (True, False)}
     return [Figure(floor, mean(errors[floor, True]), 'deg a minute', MOST,
                    worst=max(errors[floor, True]),

@@ -27,7 +27,7 @@ from create_oi_ros.robot import Rounding
 from drives import DRIVES, waypoints
 from odometry_cases import damaged_line, follow_log, rows_of
 from odometry_cost import costs
-from odometry_loop import Journey, TURNS
+from odometry_loop import Journey
 from odometry_rig import Event, held, lame, loaded, Misled, nothing, pushed
 from results import Figure, keep, machine, show_all
 from rivals import Rival
@@ -82,18 +82,16 @@ class Score(NamedTuple):
 
 
 class Drive(Journey):
-    """A journey in which something may happen."""
+    """A journey that is scored."""
 
     def __init__(self, robot: Robot, seed: int, event: Event, odometry: Odometry | None) -> None:
         super().__init__(robot, seed, latency=LATENCY, odometry=odometry)
-        self._event = event(Random(seed), self.body)
+        self.event = event(Random(seed), self.body)
         self._off: list[float] = []
         self.beyond: list[bool] = []
 
     def go(self) -> None:
         """Let a step of time pass."""
-        if self._steps % TURNS == 0:
-            next(self._event)
         seen = len(self.moves)
         super().go()
         for _, e, _ in self.moves[seen:]:

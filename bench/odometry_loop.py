@@ -3,7 +3,7 @@
 """The whole driver against the whole simulated robot, as bytes over a line that delays them."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from random import Random
 
 from create_oi_ros.driver import Driver, Moved, Settings
@@ -70,6 +70,8 @@ class Journey:
         """Each frame's estimate, with the truth when it arrived."""
         self._turned: dict[float, float] = {}
         """How far the robot had turned when it sent something: a frame tells of that moment."""
+        self.event: Iterator[object] | None = None
+        """What happens to the robot, slot by slot."""
         self.counts: list[Counts] = []
         """What the encoders had counted after each slot."""
         self.turned = 0.0
@@ -78,6 +80,8 @@ class Journey:
 
     def go(self) -> None:
         """Let a step of time pass."""
+        if self.event is not None and self._steps % TURNS == 0:
+            next(self.event)
         self.now += self._step
         before = self.body.truth().turned
         self.robot.poll(self.now)
