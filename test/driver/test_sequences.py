@@ -126,7 +126,7 @@ class WatchedLoop(Loop):
 
     def _check_goals(self) -> None:
         """One goal runs at most, within its time; the activity says so; each ends once."""
-        running = [each for each in self.pursuits[-2:] if each.goal.outcome is None]
+        running = [each for each in self.pursuits if each.goal.outcome is None]
         assert len(running) == self.driver.state.pursues
         assert all(self.now <= each.deadline() for each in running), 'a goal runs on'
         if self.driver.state.activity is Activity.GOAL:
