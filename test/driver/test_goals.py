@@ -3,29 +3,22 @@
 """Goals: where the robot is when they end, and how it gets there."""
 
 from dataclasses import replace
+from functools import partial
 from math import degrees, hypot, pi
 import struct
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import MotionLimits, Settings, Severity
-from create_oi_ros.driver.goals import (
-    Code,
-    DriveArc,
-    RotateAngle,
-)
+from create_oi_ros.driver import MotionLimits, Severity
+from create_oi_ros.driver.goals import Code, DriveArc, RotateAngle
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
+from support import goals
 from support.goals import angle, arc, distance, place, pursue, reach, start
 from support.loop import Loop, texts, turn_difference
 
-
-def met(**options) -> Loop:
-    """Return the likeliest robot and a driver that have met."""
-    loop = Loop(config=DEFAULT_BODY, delay=0.005, **options)
-    loop.run(1.0)
-    return loop
+met = partial(goals.met, delay=0.005)
 
 
 @pytest.mark.parametrize(('metres', 'rounding'), [
@@ -95,7 +88,7 @@ def test_wheels_that_do_not_move_when_they_creep_are_told_to_creep_faster():
 
 def test_speeds_and_accelerations_stay_within_the_limits():
     limits = MotionLimits(max_wheel_speed=0.2, linear_acceleration=0.2)
-    loop = met(settings=Settings(limits=limits))
+    loop = met(limits)
     loop.commands()
     ending = pursue(loop, distance(0.5, speed=0.4))
     assert ending.code is Code.NONE
@@ -110,7 +103,7 @@ def test_speeds_and_accelerations_stay_within_the_limits():
 def test_a_limit_that_arrives_as_float32_is_not_beyond_itself():
     speed, turn = (struct.unpack('f', struct.pack('f', each))[0] for each in (0.3, 2000 * pi))
     assert speed > 0.3 and turn > 2000 * pi
-    loop = met(settings=Settings(limits=MotionLimits(max_wheel_speed=0.3)))
+    loop = met(MotionLimits(max_wheel_speed=0.3))
     assert 'slowed' not in pursue(loop, distance(0.1, speed=speed)).text
     angle(degrees(turn))
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What services ask of the driver, played against the simulated robot without a clock."""
 
-from collections.abc import Callable
+from functools import partial
 from math import nan
 
 import pytest
@@ -175,16 +175,6 @@ def test_leds_and_outputs_are_restored_after_a_mode_change(loop, before, after):
     assert_restored(loop)
 
 
-def fall_silent(seconds: float) -> Callable[[Loop], None]:
-    """Return what cuts the line for a while."""
-    def happens(loop: Loop) -> None:
-        loop.cut = True
-        loop.run(seconds)
-        loop.cut = False
-        loop.run(2.0)
-    return happens
-
-
 def drop_a_wheel(loop: Loop) -> None:
     """Let the robot leave Safe, and bring it back."""
     loop.body.drop(left=True)
@@ -194,11 +184,12 @@ def drop_a_wheel(loop: Loop) -> None:
     loop.drive(0.1, 0.0, 0.5)
 
 
-@pytest.mark.parametrize('happens', [
-    power_cycle, drop_a_wheel, *map(fall_silent, (0.7, 1.2, 2.5, 8.0))])
+@pytest.mark.parametrize('happens', [power_cycle, drop_a_wheel, *(
+    partial(Loop.lose_line, seconds=seconds) for seconds in (0.7, 1.2, 2.5, 8.0))])
 def test_all_is_restored_but_low_side_drivers(loop, happens):
     set_everything(loop)
     happens(loop)
+    loop.run(2.0)
     assert_restored(loop)
     assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
 

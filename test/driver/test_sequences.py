@@ -165,11 +165,7 @@ class WatchedLoop(Loop):
     def stand_still(self, seconds: float) -> None:
         """Let the driver's process stand still; the dead-man has stopped the robot meanwhile."""
         self.robot.receive(DEAD_MAN_STOP, self.now)
-        until = self.now + seconds
-        while self.now < until:
-            self.now += STEP
-            self.robot.poll(self.now)
-            self._carry(self._down, self.robot.data_to_send())
+        super().stand_still(seconds)
 
     def reset_odometry(self) -> None:
         """Put the origin where the robot is: the only step that is allowed."""
@@ -413,9 +409,7 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(seconds=st.sampled_from((0.02, 0.2, 1.2)))
     def cut(self, seconds):
-        self.loop.cut = True
-        self.loop.run(seconds)
-        self.loop.cut = False
+        self.loop.lose_line(seconds)
 
     @rule(seconds=st.sampled_from((0.0, 0.2, 1.2)))
     def lose_port(self, seconds):

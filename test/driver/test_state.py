@@ -9,16 +9,9 @@ from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.driver.goal_control import TAKEN_OVER
 from create_oi_ros.driver.goals import Code, Dock
 from create_oi_ros.driver.outbox import CALLED_OFF, HALT
-from create_oi_ros.driver.state import (
-    Activity,
-    CONSEQUENCES,
-    State,
-    StateEvent,
-    Then,
-    TRANSITIONS,
-)
+from create_oi_ros.driver.state import Activity, CONSEQUENCES, State, StateEvent, Then, TRANSITIONS
 from support.goals import distance, pursue
-from support.loop import Loop, said, STEP
+from support.loop import Loop, said
 
 
 def reachable(start: Activity) -> set[Activity]:
@@ -221,24 +214,9 @@ def losing_replies(loop: Loop) -> None:
     loop.lost_down = False
 
 
-def standing_still(loop: Loop) -> None:
-    """Let the robot send for 1.2 s, and call the driver no more."""
-    until = loop.now + 1.2
-    while loop.now < until:
-        loop.now += STEP
-        loop.robot.poll(loop.now)
-
-
-def plugging_again(loop: Loop) -> None:
-    """Close the port, and open it 1.2 s later."""
-    loop.driver.disconnected('the cable is out')
-    loop.driver.data_to_send()
-    standing_still(loop)
-    loop.robot.data_to_send()
-    loop.driver.connected(loop.now)
-
-
-@pytest.mark.parametrize('hiccup', [losing_replies, standing_still, plugging_again])
+@pytest.mark.parametrize('hiccup', [
+    losing_replies, lambda loop: loop.stand_still(1.2), lambda loop: loop.lose_port(1.2)],
+    ids=['replies', 'driver', 'port'])
 @pytest.mark.parametrize('phase', [0.0, 0.005, 0.01])
 def test_a_hiccup_of_driver_port_or_line_needs_no_pause(hiccup, phase):
     loop = in_safe()

@@ -72,10 +72,8 @@ def test_after_a_gap_the_pose_is_not_surer_than_it_is_right(gap, linear, angular
 def test_a_computer_that_slept_knows_that_it_does_not_know():
     loop = met()
     loop.drive(0.2, 0.2, 3.0)
-    for _ in range(4000):  # 20 s in which the driver is not asked for anything
-        loop.now += 0.005
-        loop.robot.poll(loop.now)
-        loop.robot.data_to_send()
+    loop.stand_still(20.0)
+    loop.robot.data_to_send()
     loop.run(0.5)
     assert max(off(loop)) < HONEST
     loop.run(4.0)

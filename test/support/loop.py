@@ -87,6 +87,27 @@ class Loop:
             self.driver.drive(linear, angular, self.now)
             self.run(min(0.1, until - self.now))
 
+    def lose_line(self, seconds: float) -> None:
+        """Let the line carry nothing for a while."""
+        self.cut = True
+        self.run(seconds)
+        self.cut = False
+
+    def stand_still(self, seconds: float) -> None:
+        """Let the robot send for a while, and call the driver no more."""
+        until = self.now + seconds
+        while self.now < until - STEP / 2:
+            self.now += STEP
+            self.robot.poll(self.now)
+
+    def lose_port(self, seconds: float) -> None:
+        """Lose the port for a while, and what either side sends meanwhile."""
+        self.driver.disconnected('cable out')
+        self.driver.data_to_send()
+        self.stand_still(seconds)
+        self.robot.data_to_send()
+        self.driver.connected(self.now)
+
     @property
     def estimate(self) -> Estimate:
         """The newest estimate of the driver."""
