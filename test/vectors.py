@@ -113,31 +113,27 @@ SCRIPTS: list[tuple[str, list[oi.Command], bytes]] = [
 """The manual's example scripts (Script Commands): name, commands, bytes."""
 
 _ANY, _STARTED, _ACTUATE = 'off passive safe full', 'passive safe full', 'safe full'
-MODES: dict[int, tuple[str, str]] = {
-    128: (_ANY, 'passive'), 129: (_STARTED, ''), 130: (_STARTED, 'safe'), 131: (_STARTED, 'safe'),
-    132: (_STARTED, 'full'), 134: (_STARTED, 'passive'), 135: (_STARTED, 'passive'),
-    136: (_STARTED, 'passive'), 137: (_ACTUATE, ''), 138: (_ACTUATE, ''), 139: (_ACTUATE, ''),
-    140: (_STARTED, ''), 141: (_ACTUATE, ''), 142: (_STARTED, ''), 143: (_STARTED, 'passive'),
-    144: (_ACTUATE, ''), 145: (_ACTUATE, ''), 147: (_ACTUATE, ''), 148: (_STARTED, ''),
-    149: (_STARTED, ''), 150: (_STARTED, ''), 151: (_ACTUATE, ''), 152: (_STARTED, ''),
-    153: (_STARTED, ''), 154: (_STARTED, ''), 155: (_STARTED, ''), 156: (_STARTED, ''),
-    157: (_STARTED, ''), 158: (_STARTED, ''),
+COMMAND_FACTS: dict[int, tuple[str, str, str]] = {
+    128: ('Start', _ANY, 'passive'), 129: ('Baud', _STARTED, ''),
+    130: ('Control', _STARTED, 'safe'), 131: ('Safe', _STARTED, 'safe'),
+    132: ('Full', _STARTED, 'full'), 134: ('Spot', _STARTED, 'passive'),
+    135: ('Cover', _STARTED, 'passive'), 136: ('Demo', _STARTED, 'passive'),
+    137: ('Drive', _ACTUATE, ''), 138: ('Low Side Drivers', _ACTUATE, ''),
+    139: ('LEDs', _ACTUATE, ''), 140: ('Song', _STARTED, ''), 141: ('Play Song', _ACTUATE, ''),
+    142: ('Sensors', _STARTED, ''), 143: ('Cover and Dock', _STARTED, 'passive'),
+    144: ('PWM Low Side Drivers', _ACTUATE, ''), 145: ('Drive Direct', _ACTUATE, ''),
+    147: ('Digital Outputs', _ACTUATE, ''), 148: ('Stream', _STARTED, ''),
+    149: ('Query List', _STARTED, ''), 150: ('Pause/Resume Stream', _STARTED, ''),
+    151: ('Send IR', _ACTUATE, ''), 152: ('Script', _STARTED, ''),
+    153: ('Play Script', _STARTED, ''), 154: ('Show Script', _STARTED, ''),
+    155: ('Wait Time', _STARTED, ''), 156: ('Wait Distance', _STARTED, ''),
+    157: ('Wait Angle', _STARTED, ''), 158: ('Wait Event', _STARTED, ''),
 }
-"""By opcode: `Available in modes` and `Changes mode to` (empty: No Change).
+"""By opcode: the manual's name, `Available in modes`, `Changes mode to` (empty: No Change).
 
-Start also works in Off: "once it receives the Start command" (iRobot Create Open Interface Modes).
+Names are headings of the Open Interface Command Reference. Start also works in Off: "once it
+receives the Start command" (iRobot Create Open Interface Modes).
 """
-
-TITLES: dict[int, str] = {
-    128: 'Start', 129: 'Baud', 130: 'Control', 131: 'Safe', 132: 'Full', 134: 'Spot',
-    135: 'Cover', 136: 'Demo', 137: 'Drive', 138: 'Low Side Drivers', 139: 'LEDs', 140: 'Song',
-    141: 'Play Song', 142: 'Sensors', 143: 'Cover and Dock', 144: 'PWM Low Side Drivers',
-    145: 'Drive Direct', 147: 'Digital Outputs', 148: 'Stream', 149: 'Query List',
-    150: 'Pause/Resume Stream', 151: 'Send IR', 152: 'Script', 153: 'Play Script',
-    154: 'Show Script', 155: 'Wait Time', 156: 'Wait Distance', 157: 'Wait Angle',
-    158: 'Wait Event',
-}
-"""The manual's names (headings of the Open Interface Command Reference), by opcode."""
 
 OUT_OF_RANGE: list[tuple[oi.Command, str]] = [
     (oi.Baud(code=12), 'code'),

@@ -26,18 +26,21 @@ from support.goals import (
 from support.loop import Loop
 
 
-@pytest.mark.parametrize(('side', 'where'), [
-    ({'bump_left': 1}, 'on the left'), ({'bump_right': 1}, 'on the right'),
-    ({'bump_left': 1, 'bump_right': 1}, 'in front')])
+@pytest.mark.parametrize(('happens', 'code', 'where', 'what_to_do'), [
+    (lambda body: body.force(bump_left=1), Code.BUMP, 'on the left', 'drive backwards'),
+    (lambda body: body.force(bump_right=1), Code.BUMP, 'on the right', 'drive backwards'),
+    (lambda body: body.force(bump_left=1, bump_right=1), Code.BUMP, 'in front', 'drive backwards'),
+    (lambda body: body.lift(True), Code.WHEEL_DROP, '', 'put the robot on the floor')],
+    ids=['left', 'right', 'front', 'lifted'])
 @pytest.mark.parametrize('make', [
     lambda: distance(1.0), lambda: angle(300), lambda: arc(90, 0.5), lambda: place(1.0, 0.0)])
-def test_a_bump_ends_every_motion(make, side, where):
+def test_a_bump_and_a_wheel_that_drops_end_every_motion(make, happens, code, where, what_to_do):
     loop = met()
     running = moving(loop, make())
-    loop.body.force(**side)
+    happens(loop.body)
     ending = ended(loop, running)
-    assert ending.code is Code.BUMP
-    assert where in ending.text and 'drive backwards' in ending.text
+    assert ending.code is code
+    assert where in ending.text and what_to_do in ending.text
 
 
 def test_a_pressed_bumper_lets_no_distance_begin_but_backwards_and_turns():
@@ -93,16 +96,6 @@ def test_safe_mode_itself_may_end_a_way_back_at_a_cliff():
     assert ending.code is Code.CLIFF
     assert 'robot left SAFE (cliff left)' in ending.text
     assert 'call set_mode with SAFE, then drive backwards' in ending.text
-
-
-@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: angle(300)])
-def test_a_wheel_that_drops_ends_a_motion(make):
-    loop = met()
-    running = moving(loop, make())
-    loop.body.lift(True)
-    ending = ended(loop, running)
-    assert ending.code is Code.WHEEL_DROP
-    assert 'put the robot on the floor' in ending.text
 
 
 @pytest.mark.parametrize('speed', [0.11, 0.2, 0.3])

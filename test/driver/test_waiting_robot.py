@@ -19,6 +19,7 @@ from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, WAKE_UP
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.actuators import DARK, Lights
 from create_oi_ros.sim.server.faults import DAMAGE_TO_ROBOT, Fault, Faults
+from support.asking import power_cycle
 from support.loop import Loop, said
 from support.nightly import NIGHTLY, times, UNMEASURED
 from support.robot import GENTLE, Robot
@@ -186,35 +187,23 @@ def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on(
     loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
     loop.run(3.0)
     assert said(loop, Severity.ERROR, 'switch it off and on') == 1
-    loop.robot.power(False, loop.now)
-    loop.run(1.0)
-    loop.robot.power(True, loop.now)
-    loop.run(5.0)
+    power_cycle(loop)
     assert loop.robot.mode is oi.Mode.SAFE
     assert not loop.driver.health(loop.now).ignores_commands
     assert loop.body.truth().speed == 0
 
 
-def waits_once_it_has_answered(wait: oi.Command, **guesses: object) -> Loop:
-    """Return a driver whose robot sends the list of a call, and nothing else since it waits."""
+def test_a_robot_that_waits_once_it_has_answered_is_told_of():
+    """It sends the list of a call, and nothing else since it waits."""
     loop = Loop()
-    loop.robot.guesses = replace(loop.robot.guesses, **guesses)
     loop.run(0.5)
     loop.drive(0.3, 0.0, 0.5)
-    call = oi.Stream(packets=QUESTIONS[0].ids)
+    call, wait = oi.Stream(packets=QUESTIONS[0].ids), oi.WaitEvent(event=oi.Event.PLAY_BUTTON)
     loop.robot.receive(call.encode() + wait.encode(), loop.now)
-    return loop
-
-
-def test_a_robot_that_waits_once_it_has_answered_is_told_of():
-    loop = waits_once_it_has_answered(oi.WaitEvent(event=oi.Event.PLAY_BUTTON))
     loop.drive(0.2, 0.0, 3.0)
     assert said(loop, Severity.ERROR, 'switch it off and on') == 1
     assert loop.driver.status.actual is None
-    loop.robot.power(False, loop.now)
-    loop.run(1.0)
-    loop.robot.power(True, loop.now)
-    loop.run(5.0)
+    power_cycle(loop)
     assert loop.robot.mode is oi.Mode.SAFE
     assert loop.body.truth().speed == 0
 

@@ -17,8 +17,6 @@ from create_oi_ros import oi
 from create_oi_ros.link import capture
 from create_oi_ros.link.capture import Capture, new_file
 from create_oi_ros.oi.tools.capture_format import (
-    CaptureError,
-    CaptureReader,
     encode_head,
     encode_record,
     FIRST_LINE,
@@ -26,14 +24,9 @@ from create_oi_ros.oi.tools.capture_format import (
     Record,
     RECORD_LIMIT,
     RecordKind,
-    records_of,
 )
 from create_oi_ros.oi.tools.command_line import main
-from create_oi_ros.oi.tools.transcript import (
-    BYTES_SHOWN,
-    explain_capture,
-    GARBAGE_SHOWN,
-)
+from create_oi_ros.oi.tools.transcript import BYTES_SHOWN, explain_capture, GARBAGE_SHOWN
 from support import captures
 from support.captures import said
 from support.ros import TIMEOUT
@@ -62,14 +55,7 @@ def timed(parts: Iterable[tuple[int, RecordKind, bytes]]) -> list[Record]:
 
 def read(data: bytes, size: int = 1 << 20) -> tuple[dict[str, str] | None, list[Record], str]:
     """Return facts, records and what was wrong with the file, read in pieces."""
-    reader, records = CaptureReader(), []
-    try:
-        for record in records_of(
-                (data[at:at + size] for at in range(0, len(data), size)), reader):
-            records.append(record)
-    except CaptureError as error:
-        return reader.facts, records, str(error)
-    return reader.facts, records, ''
+    return captures.read_pieces(data[at:at + size] for at in range(0, len(data), size))
 
 
 @given(FACTS, RECORDS, st.integers(1, 50))
@@ -263,7 +249,9 @@ def test_a_file_is_explained(tmp_path: Path) -> None:
 
 
 def test_what_is_added_is_in_the_file_up_to_its_end(tmp_path: Path) -> None:
+    (tmp_path / 'c').touch()  # and is kept
     ours = Capture(str(tmp_path / 'c'), {}, print)
+    assert ours.path == tmp_path / 'c-2'
     ours.add(RecordKind.OPENED, '/dev/x at 57600 baud')
     ours.add(RecordKind.TO_ROBOT, b'\x80')
     ours.add(RecordKind.LOST, '\udcff' * RECORD_LIMIT)

@@ -33,7 +33,7 @@ def state(robot: Robot) -> tuple[object, ...]:
 @pytest.mark.parametrize('command', SAMPLES.values(), ids=lambda command: command.title)
 def test_a_command_is_obeyed_in_its_modes_only_and_enters_the_manuals(
         command: oi.Command, mode: Mode) -> None:
-    available, enters = vectors.MODES[command.opcode]
+    _, available, enters = vectors.COMMAND_FACTS[command.opcode]
     robot = Robot(mode)
     robot.say(oi.Song(number=15, notes=(oi.Note(60, 64),)))
     before = state(robot)
