@@ -45,30 +45,6 @@ def searching(before: Mode) -> tuple[Loop, Goal]:
     return loop, goal
 
 
-def lose_port(loop: Loop) -> None:
-    """Lose the port for 0.7 s."""
-    loop.driver.disconnected('cable out')
-    loop.driver.data_to_send()
-    loop.now += 0.7
-    loop.robot.poll(loop.now)
-    loop.robot.data_to_send()
-    loop.driver.connected(loop.now)
-
-
-def lose_line(loop: Loop) -> None:
-    """Lose the line for 1.4 s."""
-    loop.cut = True
-    loop.run(1.4)
-    loop.cut = False
-
-
-def stand_still(loop: Loop) -> None:
-    """Let the driver's process stand still for 1.7 s."""
-    loop.now += 1.7
-    loop.robot.poll(loop.now)
-    loop.robot.data_to_send()
-
-
 WAYS: dict[str, Callable[[Loop, Goal], object]] = {
     'cancel': lambda loop, goal: loop.driver.goals.cancel(goal, loop.now),
     'stop': lambda loop, goal: loop.driver.stop(loop.now),
@@ -77,9 +53,9 @@ WAYS: dict[str, Callable[[Loop, Goal], object]] = {
     'lifted': lambda loop, goal: (loop.body.lift(True), loop.run(0.4), loop.body.lift(False)),
     'held': lambda loop, goal: (loop.body.hold(right=True, left=True), loop.run(9.0),
                                 loop.body.hold()),
-    'port lost': lambda loop, goal: lose_port(loop),
-    'line lost': lambda loop, goal: lose_line(loop),
-    'standstill': lambda loop, goal: stand_still(loop)}
+    'port lost': lambda loop, goal: loop.lose_port(0.7),
+    'line lost': lambda loop, goal: loop.lose_line(1.4),
+    'standstill': lambda loop, goal: loop.stand_still(1.7)}
 
 
 @pytest.mark.parametrize('way', WAYS)
@@ -109,24 +85,6 @@ def test_a_dock_that_does_not_succeed_gives_the_mode_back(way, before):
     assert loop.driver.status.wanted is before
     assert loop.robot.demo is None
     assert loop.robot.mode in (before, *[Mode.PASSIVE] * (way == 'lifted'))
-
-
-def test_a_robot_whose_undock_was_canceled_stops_at_a_cliff_by_itself():
-    loop, goal = leaving(Mode.SAFE)
-    loop.driver.goals.cancel(goal, loop.now)
-    loop.run(0.2)
-    loop.body.force(cliff_front_left=1)
-    loop.drive(0.2, 0.0, 0.5)
-    assert loop.robot.actuators.wheels == (0, 0) and loop.robot.mode is Mode.PASSIVE
-
-
-def test_an_undock_that_succeeds_leaves_a_robot_that_drives():
-    for before in Mode.PASSIVE, Mode.SAFE:
-        loop, goal = leaving(before)
-        assert until_ended(loop, goal).code is Code.NONE
-        loop.run(0.2)
-        assert loop.robot.mode is loop.driver.status.wanted is Mode.SAFE
-        assert pursue(loop, distance(0.1)).code is Code.NONE
 
 
 # What somebody asked for later stays.
@@ -178,14 +136,6 @@ def test_a_hazard_that_ended_the_mode_is_not_overruled():
 
 
 # What is refused changes nothing.
-
-
-def test_a_goal_that_could_not_run_ends_no_search_for_the_dock():
-    loop, goal = searching(Mode.PASSIVE)
-    refused = pursue(loop, distance(0.2))
-    assert refused.code is Code.MODE
-    assert refused.text.startswith('not started; ') and 'set_mode with SAFE' in refused.text
-    assert until_ended(loop, goal).docked
 
 
 def test_a_goal_that_cannot_begin_ends_no_other_goal():

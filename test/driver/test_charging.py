@@ -20,24 +20,11 @@ from support.loop import Loop, said, texts
 BASE = parse('start 0.1655 0 180\nhome_base 0 0 0', 'base')
 
 
-def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
-    loop = Loop(Settings(battery_low=14.0, battery_empty=13.9))
-    loop.run(0.5)
-    loop.body.set_battery(charge=0.02)
-    loop.run(LEVEL_DELAY + 2)
-    assert loop.driver.health(loop.now).battery is BatteryLevel.EMPTY
-    assert said(loop, Severity.WARNING, 'battery') in (1, 2)
-    for text in texts(loop.notices, Severity.WARNING):
-        assert fullmatch(
-            r'battery (low|nearly empty) \(1[0-4]\.\d V, charge 2%\): charge it', text)
-    assert loop.robot.mode is oi.Mode.SAFE
-
-
 FINE, LOW, EMPTY = BatteryLevel
 
 
 def test_a_level_is_reached_after_five_seconds_and_left_above_its_limit_and_a_bit():
-    loop = Loop(Settings(battery_low=13.5, battery_empty=12.5, charge_known=False))
+    loop = Loop(Settings(battery_low=13.5, battery_empty=12.5))
     for millivolts, seconds, level in (
             (13500, LEVEL_DELAY - 1.0, FINE), (14000, 1.5, FINE), (13500, LEVEL_DELAY - 1.0, FINE),
             (13500, 2.0, LOW), (12500, LEVEL_DELAY - 1.0, LOW), (12500, 2.0, EMPTY),
@@ -45,7 +32,10 @@ def test_a_level_is_reached_after_five_seconds_and_left_above_its_limit_and_a_bi
         loop.body.force(voltage=millivolts)
         loop.run(seconds)
         assert loop.driver.health(loop.now).battery is level, (millivolts, seconds)
-    assert said(loop, Severity.WARNING, 'battery') == 2
+    assert texts(loop.notices, Severity.WARNING) == [
+        'battery low (13.5 V, charge 90%): charge it',
+        'battery nearly empty (12.5 V, charge 90%): charge it']
+    assert loop.robot.mode is oi.Mode.SAFE, 'nothing is done unasked'
     loop.forged = {'voltage': 65535}
     loop.run(2 * LEVEL_DELAY)
     assert loop.driver.health(loop.now).battery is FINE, 'it is not known'

@@ -144,7 +144,7 @@ def test_a_robot_that_safe_holds_leaves_by_full_says_so_and_returns_to_safe(gues
     assert in_full_off_dock < 0.1
     assert 0.44 < loop.body.truth().pose.x < 0.6, 'it was held while it believed to leave'
     loop.run(0.1)
-    assert loop.robot.mode is oi.Mode.SAFE
+    assert loop.robot.mode is loop.driver.status.wanted is oi.Mode.SAFE
     assert pursue(loop, distance(-0.1)).code is Code.NONE
 
 
