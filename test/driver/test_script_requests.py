@@ -73,17 +73,19 @@ def test_a_script_that_enters_full_is_sent_no_end_of_a_demo(loop):
     assert (loop.robot.mode, loop.robot.actuators.wheels) == (oi.Mode.SAFE, (200, 200))
 
 
-def test_while_a_script_plays_nothing_is_promised(loop):
+def test_while_a_script_plays_nothing_is_promised_and_what_stops_it_is_said(loop):
     ask(loop, loop.driver.scripts.define, WAITING)
-    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
+    stopped = loop.driver.stop(loop.now).outcome
+    assert not stopped.ok
+    for words in ('a script plays', 'for about 1 s more', 'Power button'):
+        assert words in stopped.text
+    assert loop.driver.health(loop.now).busy == stopped.text
     for answer in (ask(loop, loop.driver.outputs.set_leds, LEDS),
                    ask(loop, loop.driver.modes.set, oi.Mode.PASSIVE, loop.now)):
         assert answer.ok is False
         assert 'script' in answer.text
-    stopped = loop.driver.stop(loop.now).outcome
-    assert not stopped.ok
-    assert 'script' in stopped.text
-    loop.drive(0.2, 0.0, 0.5)
+    loop.drive(0.2, 0.0, 0.2)
     assert 'script' in [notice.text for notice in loop.notices][-1]
 
 
@@ -155,15 +157,6 @@ def test_a_script_whose_own_motion_leads_away_from_what_it_waits_for_needs_force
     loop.run(1.0)
     assert loop.body.truth().speed == 0
     assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
-
-
-def test_while_a_script_plays_it_is_said_for_how_long_and_what_stops_it(loop):
-    ask(loop, loop.driver.scripts.define, WAITING)
-    ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
-    stopped = loop.driver.stop(loop.now).outcome
-    assert 'for about 1 s more' in stopped.text
-    assert 'Power button' in stopped.text
-    assert loop.driver.health(loop.now).busy == stopped.text
 
 
 def test_a_script_that_is_not_known_needs_force(loop):
