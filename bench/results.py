@@ -40,11 +40,9 @@ class Figure(NamedTuple):
     """More numbers for the reader, such as the absolute ones behind a ratio."""
 
     @property
-    def verdict(self) -> str:
-        """`met` or `missed`; empty without a target."""
-        if self.target is None or self.value is None:
-            return ''
-        return 'met' if self.value <= self.target else 'missed'
+    def missed(self) -> bool:
+        """Whether there is a target, and it was missed."""
+        return None not in (self.target, self.value) and self.value > self.target
 
 
 def repeated(what: str, values: Sequence[float], unit: str, target: float | None = None,
@@ -90,7 +88,7 @@ def cells(figure: Figure) -> list[str]:
     worst = '' if figure.worst is None else f' (at worst {number(figure.worst)})'
     target = ''
     if figure.target is not None:
-        mark = '**' if figure.verdict == 'missed' else ''
+        mark = '**' if figure.missed else ''
         target = f'{mark}<= {number(figure.target)}{mark}'
     return [number(figure.value) + unit + worst, target, figure.beside]
 

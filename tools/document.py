@@ -141,7 +141,7 @@ def figures(label: str) -> str:
     if kind == MEASURED:
         chosen = [each._replace(target=None) for each in chosen]
     heading, *body = rows_of(chosen)
-    missed = any(each.verdict == 'missed' for each in chosen)
+    missed = any(each.missed for each in chosen)
     return (f'{table(heading, body)}\n'
             f'`{program}` on {where["date"][:10]}: {where["processor"]}, '
             f'{where["cores"]} cores, load {where["load before"]} before, '
