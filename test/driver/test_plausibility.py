@@ -21,11 +21,6 @@ from create_oi_ros.sim.world import shipped
 from support.loop import Loop, said, texts
 
 
-def moved(distance: int, angle: int) -> oi.Readings:
-    """Return a reading of mm and degrees."""
-    return oi.Readings({'distance': distance, 'angle': angle})
-
-
 def impossible(name: str) -> int:
     """Return a value that no Create has: a bit that means nothing, or out of range."""
     low, high = oi.PACKETS[oi.NUMBERS[name]].wire.limits

@@ -10,7 +10,6 @@ from select import select
 import signal
 import socket
 import subprocess
-import sys
 import threading
 from types import SimpleNamespace
 from unittest.mock import Mock
@@ -32,13 +31,6 @@ from create_oi_ros.sim.world import shipped
 from support.processes import dead_man, dead_men
 from support.ros import Robot, TIMEOUT
 from support.simulator import receive
-
-HOLDER = """
-import os, sys
-os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)
-print('open', flush=True)
-sys.stdin.read()
-"""
 
 
 @pytest.fixture
@@ -197,13 +189,12 @@ def test_a_fast_line_gives_the_robot_time_for_each_byte(line, monkeypatch):
 
 
 def test_who_holds_a_port_is_named(terminal):
-    child = subprocess.Popen(
-        [sys.executable, '-S', '-c', HOLDER, terminal], stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE)
-    assert child.stdout is not None
-    assert child.stdout.readline()
-    assert f'(process {child.pid})' in str(holder(terminal))
-    child.communicate()
+    held = os.open(terminal, os.O_RDWR | os.O_NOCTTY)
+    with subprocess.Popen(['sleep', '60'], stdin=held) as child:
+        named = holder(terminal)
+        child.kill()
+    os.close(held)
+    assert named == f'sleep (process {child.pid})'
 
 
 def test_the_lasting_name_of_a_device_is_found(tmp_path, terminal):

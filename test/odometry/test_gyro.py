@@ -21,14 +21,10 @@ SLOT = 0.015
 SEED = 4
 
 
-def as_it_is(volts: float) -> float:
-    return volts
-
-
 class Ride:
     """A robot with a gyro, and odometries with and without it that read it as asked."""
 
-    def __init__(self, volts: Callable[[float], float | None] = as_it_is, *,
+    def __init__(self, volts: Callable[[float], float | None] = lambda volts: volts, *,
                  known: Knowledge | None = None, **config) -> None:
         self.body = Body(World(), config=replace(DEFAULT_BODY, gyro=True, **config), seed=SEED)
         self.gyro = Odometry(window=1.0, gyro=GyroSettings(), robot=known)

@@ -6,6 +6,7 @@ Power, buttons and the serial port of the simulated Create, one test for each se
 Sections Physical Connections, Serial Port Settings and Baud.
 """
 
+from collections.abc import Callable
 from random import Random
 
 from hypothesis import given, settings
@@ -30,22 +31,16 @@ def booted(robot: Robot) -> Robot:
     return robot
 
 
-def without_power(robot: Robot, which: str) -> None:
-    """Let a robot be without power for a moment: by its button, or without its battery."""
-    if which == 'power':
-        booted(robot)
-    else:
-        robot.create.lose_battery(robot.now)
-
-
 # Serial Port Settings.
 
-@pytest.mark.parametrize('ends', ['power', 'battery'])
-def test_a_rate_lasts_until_the_power_is_turned_off_or_the_battery_removed(ends: str) -> None:
+@pytest.mark.parametrize('ends', [
+    booted, lambda robot: robot.create.lose_battery(robot.now)], ids=['power', 'battery'])
+def test_a_rate_lasts_until_the_power_is_turned_off_or_the_battery_removed(
+        ends: Callable[[Robot], object]) -> None:
     robot = Robot(Mode.PASSIVE)
     robot.say(oi.Baud(code=7))
     assert robot.create.baud == 19200
-    without_power(robot, ends)
+    ends(robot)
     assert robot.create.baud == 57600
 
 
