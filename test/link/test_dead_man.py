@@ -3,7 +3,8 @@
 """The process that stops the robot when the driver has died."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
+from functools import partial
 from math import inf
 import os
 import pty
@@ -64,45 +65,23 @@ sys.stdin.read()
 """
 
 
-@contextmanager
-def guarded_parent() -> Iterator[tuple[subprocess.Popen[bytes], int]]:
-    """Yield a process with a dead-man, and the other end of its line."""
+def test_when_its_parent_is_suspended_and_when_it_dies_it_says_the_last_words():
     reading, writing = os.pipe()
     parent = subprocess.Popen(
         [sys.executable, '-c', PARENT, str(writing), WORDS.decode()], pass_fds=(writing,),
         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     os.close(writing)
     try:
-        assert parent.stdout is not None
         assert parent.stdout.readline()
-        yield parent, reading
+        parent.send_signal(signal.SIGSTOP)
+        assert read_words(reading) == WORDS
+        parent.kill()
+        rest = b''.join(iter(partial(os.read, reading, 100), b''))  # until all have closed it
+        assert rest == WORDS
     finally:
         parent.kill()
         parent.communicate()
         os.close(reading)
-
-
-def read_all(reading: int) -> bytes:
-    """Read until everybody has closed the other end."""
-    heard = b''
-    while more := os.read(reading, 100):
-        heard += more
-    return heard
-
-
-@pytest.mark.parametrize('number', [signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT])
-def test_when_its_parent_dies_it_says_the_last_words_and_ends(number):
-    with guarded_parent() as (parent, reading):
-        parent.send_signal(number)
-        assert read_all(reading) == WORDS
-
-
-def test_while_its_parent_is_suspended_it_says_the_last_words_and_watches_on():
-    with guarded_parent() as (parent, reading):
-        parent.send_signal(signal.SIGSTOP)
-        assert read_words(reading) == WORDS
-        parent.kill()
-        assert read_all(reading) == WORDS
 
 
 @pytest.mark.parametrize(('suspended', 'spoken'), [

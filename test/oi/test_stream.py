@@ -14,7 +14,6 @@ from create_oi_ros import oi
 from create_oi_ros.oi.stream import FRAMES_TO_SWITCH, GARBAGE_LIMIT
 from support.nightly import NIGHTLY, times
 from support.oi_strategies import commands
-import vectors
 
 CLIFF = oi.PacketList([29, 13])
 GOOD = CLIFF.pack_frame([549, 0])
@@ -47,13 +46,6 @@ def joined(found: Iterable[Event]) -> bytes:
 
 def kinds(found: Iterable[Event]) -> str:
     return ''.join('F' if isinstance(event, oi.Frame) else 'g' for event in found)
-
-
-def test_the_manuals_frame_is_read() -> None:
-    frame, = events([vectors.STREAM_FRAME], CLIFF)
-    assert isinstance(frame, oi.Frame)
-    assert frame == (CLIFF, vectors.STREAM_FRAME, oi.Checksum.MANUAL)
-    assert frame.readings == oi.Readings(vectors.STREAM_VALUES)
 
 
 def test_a_failed_checksum_is_counted_once() -> None:
