@@ -136,9 +136,7 @@ def test_of_a_line_that_is_well_nothing_is_said(baud):
     assert [notice.text for notice in loop.notices] == ['robot answers; entering SAFE']
 
 
-def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off():
-    loop = Loop()
-    loop.run(1)
+def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off(loop):
     loop.robot.data_to_send = lambda: bytes(60)
     loop.run(1)
     assert said(loop, Severity.ERROR, 'but no frame among them') == 1

@@ -73,9 +73,7 @@ def test_all_of_them_at_once_and_other_values_in_every_frame_stop_nothing() -> N
     assert loop.driver.health(loop.now).readings.wall_signal is not None
 
 
-def test_one_odd_frame_is_dropped_and_so_is_another_one_later() -> None:
-    loop = Loop()
-    loop.run(1)
+def test_one_odd_frame_is_dropped_and_so_is_another_one_later(loop: Loop) -> None:
     for count in (1, 2, 3):
         loop.forged = {'oi_mode': 4}
         loop.run(0.015)
@@ -115,9 +113,7 @@ def test_a_song_plays_though_its_number_is_not_known() -> None:
     assert request.outcome is not None and request.outcome.ok
 
 
-def test_an_impossible_jump_is_dropped_and_counted() -> None:
-    loop = Loop()
-    loop.run(1)
+def test_an_impossible_jump_is_dropped_and_counted(loop: Loop) -> None:
     before, frame = loop.estimate, loop.driver.plan.full
     for count, (name, value) in enumerate([
             ('distance', 4000), ('distance', -600), ('angle', 300), ('angle', -300)], 1):

@@ -111,18 +111,13 @@ def test_while_a_script_plays_distance_and_angle_are_not_read() -> None:
     assert not {19, 20} & set(asked.packets)
 
 
-def test_a_script_that_is_refused_leaves_the_stream_as_it_is() -> None:
-    loop = Loop()
-    loop.run(0.3)
-    loop.commands()
+def test_a_script_that_is_refused_leaves_the_stream_as_it_is(loop: Loop) -> None:
     assert loop.driver.scripts.play(loop.now, force=False).outcome.ok is False
     loop.run(0.1)
     assert not any(isinstance(each, oi.Drive) for each in loop.commands())
 
 
-def test_a_speed_that_the_robot_reports_oddly_is_not_known() -> None:
-    loop = Loop()
-    loop.run(0.3)
+def test_a_speed_that_the_robot_reports_oddly_is_not_known(loop: Loop) -> None:
     scripts = loop.driver.scripts
     scripts.define(parse_script(LINE))
     scripts.play(loop.now, force=False)

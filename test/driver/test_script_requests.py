@@ -166,10 +166,8 @@ def test_a_script_that_is_not_known_needs_force(loop):
     assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
 
 
-def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
-    loop = Loop()
+def test_a_robot_that_falls_silent_while_it_waits_is_found_again(loop):
     loop.robot.guesses = Guesses(stream_while_waiting=False)
-    loop.run(0.3)
     ask(loop, loop.driver.scripts.define, WAITING)
     ask(loop, loop.driver.scripts.play, loop.now, force=False)
     loop.run(4.0)

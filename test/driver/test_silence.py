@@ -87,8 +87,7 @@ def test_what_was_driven_while_frames_were_lost_is_not_what_is_driven_now(
 
 
 @pytest.mark.parametrize('delay', [0.05, 0.2, 0.3, 0.45])
-def test_a_robot_that_answers_late_is_not_said_to_have_left_its_mode(delay):
-    loop = Loop()
+def test_a_robot_that_answers_late_is_not_said_to_have_left_its_mode(loop, delay):
     loop.run(3.0)
     loop.cut, loop.delay = True, delay
     loop.run(0.6)  # the driver calls again, and the robot's last frames in Safe come first

@@ -93,9 +93,7 @@ def test_what_a_change_of_the_activity_asks_for_follows_from_its_event(before, e
         assert follows(event, Then.WARN)
 
 
-def test_an_event_that_no_table_lists_is_logged_once_and_changes_nothing(monkeypatch):
-    loop = Loop()
-    loop.run(0.5)
+def test_an_event_that_no_table_lists_is_logged_once_and_changes_nothing(loop, monkeypatch):
     monkeypatch.undo()  # what lets all other tests fail
     for _ in range(2):
         loop.driver.core.handle(StateEvent.SCRIPT_ENDED)
