@@ -7,11 +7,10 @@ from collections.abc import Callable
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver import Severity
 from create_oi_ros.driver.goals import Code, Dock, Goal, Undock
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.oi import Mode
-from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import parse, Pose
 from support.asking import ask, in_mode
 from support.goals import angle, distance, met, pursue, start, until_ended
@@ -164,8 +163,8 @@ def test_a_script_ends_no_search_for_the_dock():
 @pytest.mark.parametrize('after', [0.0, 0.02, 0.7])
 @pytest.mark.parametrize('delay', [0.0, 0.04])
 def test_a_mode_does_not_wait_for_the_pause_of_a_search_that_it_calls_off(mode, after, delay):
-    loop = Loop(Settings(), world=BASE, config=DEFAULT_BODY, delay=delay)
-    loop.run(3.0)
+    loop = met(world=BASE, delay=delay)
+    loop.run(2.0)
     start(loop, Dock(0.0))
     while loop.driver.state.activity is not Activity.DOCKING:
         loop.turn()

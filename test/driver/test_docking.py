@@ -15,24 +15,17 @@ from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import parse, Pose, shipped
 from support.asking import ask
-from support.goals import distance, pursue, start, until_ended
+from support.goals import distance, met, pursue, start, until_ended
 from support.loop import Loop
 
 BASE = parse('start 0.8 0 180\nhome_base 0 0 0', 'base')
 ON_BASE = Pose(0.1655, 0.0, pi)
 
 
-def met(guesses: Guesses | None = None, **settings) -> Loop:
-    """Return a robot in front of a Home Base and its driver."""
-    loop = Loop(Settings(**settings), config=DEFAULT_BODY, world=BASE)
-    loop.robot.guesses = guesses or Guesses()
-    loop.run(1.0)
-    return loop
-
-
-def docked(guesses: Guesses | None = None, mode: oi.Mode = oi.Mode.PASSIVE, **settings) -> Loop:
+def docked(guesses: Guesses | None = None, mode: oi.Mode = oi.Mode.PASSIVE) -> Loop:
     """Return a robot on a Home Base and its driver."""
-    loop = met(guesses, **settings)
+    loop = met(world=BASE)
+    loop.robot.guesses = guesses or Guesses()
     loop.body.place(ON_BASE)
     loop.run(0.1)
     assert loop.driver.modes.set(mode, loop.now) and loop.body.sense().home_base
@@ -46,7 +39,7 @@ def said(loop: Loop) -> str:
 
 
 def test_the_dock_is_found_and_the_battery_charges():
-    loop = met()
+    loop = met(world=BASE)
     running, phases, beams = start(loop, Dock(0.0)), [], set()
     while running.outcome is None:
         loop.turn()
@@ -74,8 +67,7 @@ def test_a_robot_that_is_docked_is_docked_at_once_even_if_it_is_full():
 
 
 def test_without_a_dock_the_search_ends_with_that_reason_and_the_mode_before():
-    loop = Loop(config=DEFAULT_BODY, world=shipped('table'))
-    loop.run(1.0)
+    loop = met(world=shipped('table'))
     ending = pursue(loop, Dock(6.0))
     assert ending.code is Code.NO_DOCK
     assert 'no beam of a Home Base was seen in 6 s' in ending.text
@@ -85,7 +77,7 @@ def test_without_a_dock_the_search_ends_with_that_reason_and_the_mode_before():
 
 
 def test_a_dock_that_is_seen_but_not_reached_is_a_timeout():
-    loop = met()
+    loop = met(world=BASE)
     loop.body.force(home_base=0)
     ending = pursue(loop, Dock(5.0))
     assert ending.code is Code.TIMEOUT
@@ -93,7 +85,7 @@ def test_a_dock_that_is_seen_but_not_reached_is_a_timeout():
 
 
 def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
-    loop = met()
+    loop = met(world=BASE)
     running = start(loop, Dock(0.0))
     loop.run(3.0)
     loop.drive(-0.1, 0.0, 1.0)
@@ -111,7 +103,7 @@ def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
     (lambda loop: setattr(loop, 'forged', {'oi_mode': 9}), Code.MODE,
      'switch the robot off and on')])
 def test_what_ends_a_search(happens, code, says):
-    loop = met()
+    loop = met(world=BASE)
     running = start(loop, Dock(0.0))
     loop.run(3.0)
     happens(loop)
@@ -239,9 +231,7 @@ def moved_from(loop: Loop, begun: Pose, place: tuple[float, float, float]) -> No
     assert remainder(pose(loop)[2] - turned - true.yaw, tau) == pytest.approx(0, abs=0.03)
 
 
-def test_the_odometry_goes_on_from_a_place():
-    loop = Loop()
-    loop.run(0.3)
+def test_the_odometry_goes_on_from_a_place(loop):
     loop.drive(0.2, 0.7, 1.0)
     begun = loop.body.truth().pose
     answer = ask(loop, loop.driver.reset_pose, *PLACE, seconds=0.02)
@@ -262,8 +252,7 @@ def test_an_impossible_place_is_refused(loop, place):
 
 
 def test_a_robot_that_docks_is_where_its_dock_is():
-    loop = Loop(Settings(dock_pose=PLACE), config=DEFAULT_BODY, world=BASE)
-    loop.run(1.0)
+    loop = met(settings=Settings(dock_pose=PLACE), world=BASE)
     assert pose(loop) == (0, 0, 0)
     assert pursue(loop, Dock(0.0)).docked
     assert pose(loop) == pytest.approx(PLACE, abs=0.02)

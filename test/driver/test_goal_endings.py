@@ -16,7 +16,6 @@ from create_oi_ros.driver import (
 )
 from create_oi_ros.driver.goal_control import CLIENT_GONE, COMMANDED, MODE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Undock
-from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import (
     angle,
     arc,
@@ -220,8 +219,7 @@ def test_time_that_the_driver_chose_is_said_to_be_twice_what_it_should_take():
 
 
 def test_an_empty_battery_ends_a_goal_with_that_reason():
-    loop = Loop(Settings(low_battery_action=LowBatteryAction.STOP), config=DEFAULT_BODY)
-    loop.run(1.0)
+    loop = met(settings=Settings(low_battery_action=LowBatteryAction.STOP))
     running = moving(loop, distance(9.0))
     loop.body.force(voltage=11000)
     ending = until_ended(loop, running)
@@ -234,8 +232,7 @@ def test_an_empty_battery_ends_a_goal_with_that_reason():
     (LowBatteryAction.STOP, 'stops and stays in Passive')])
 def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(
         action, does, monkeypatch):
-    loop = Loop(Settings(low_battery_action=action), config=DEFAULT_BODY)
-    loop.run(1.0)
+    loop = met(settings=Settings(low_battery_action=action))
     monkeypatch.setattr(loop.driver.core, 'refusal', lambda _: 'not now')
     loop.body.force(voltage=11000)
     loop.run(12.0)

@@ -167,6 +167,5 @@ def test_a_slow_goal_is_not_taken_for_a_held_robot(make, rounding):
 
 
 def test_a_robot_with_half_the_speed_is_not_taken_for_a_held_one():
-    loop = Loop(config=replace(DEFAULT_BODY, right_speed_gain=0.45, left_speed_gain=0.45))
-    loop.run(1.0)
+    loop = met(config=replace(DEFAULT_BODY, right_speed_gain=0.45, left_speed_gain=0.45))
     assert pursue(loop, distance(0.6, 0.2)).code is Code.NONE

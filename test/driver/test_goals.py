@@ -16,7 +16,7 @@ from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support import goals
 from support.goals import angle, arc, distance, place, pursue, reach, start
-from support.loop import Loop, texts, turn_difference
+from support.loop import texts, turn_difference
 
 met = partial(goals.met, delay=0.005)
 
@@ -73,15 +73,13 @@ def test_a_robot_that_knows_its_coast_does_not_overshoot():
 
 
 def test_unequal_wheels_still_drive_straight():
-    loop = Loop(config=replace(DEFAULT_BODY, right_speed_gain=1.03, left_speed_gain=0.97))
-    loop.run(1.0)
+    loop = goals.met(config=replace(DEFAULT_BODY, right_speed_gain=1.03, left_speed_gain=0.97))
     reach(loop, distance(1.0))
     assert abs(loop.body.truth().pose.y) < 0.05
 
 
 def test_wheels_that_do_not_move_when_they_creep_are_told_to_creep_faster():
-    loop = Loop(config=replace(DEFAULT_BODY, dead_band=0.045))
-    loop.run(1.0)
+    loop = goals.met(config=replace(DEFAULT_BODY, dead_band=0.045))
     went, _ = reach(loop, distance(0.03))
     assert went == pytest.approx(0.03, abs=0.01)
 

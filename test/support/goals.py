@@ -16,7 +16,7 @@ from create_oi_ros.driver.goals import (
     RotateAngle,
 )
 from create_oi_ros.driver.state import Activity
-from create_oi_ros.sim.body.config import DEFAULT_BODY
+from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY
 from support.loop import Loop, STEP
 
 FRAME = oi.SLOT
@@ -89,10 +89,10 @@ def reach(loop: Loop, goal: Goal) -> tuple[float, float]:
     return after.travelled - before.travelled, degrees(after.turned - before.turned)
 
 
-def met(limits: MotionLimits | None = None, **options) -> Loop:
+def met(limits: MotionLimits | None = None, *, settings: Settings | None = None,
+        config: BodyConfig = DEFAULT_BODY, **options) -> Loop:
     """Return a robot and a driver that have met, in Safe mode."""
-    settings = Settings(limits=limits or MotionLimits())
-    loop = Loop(settings, config=DEFAULT_BODY, **options)
+    loop = Loop(settings or Settings(limits=limits or MotionLimits()), config=config, **options)
     loop.run(1.0)
     return loop
 
