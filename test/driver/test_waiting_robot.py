@@ -151,9 +151,7 @@ def test_a_wait_from_before_the_driver_started_is_met():
 @pytest.mark.parametrize('begun', [
     oi.Song(number=0, notes=(oi.Note(60, 10),) * 16).encode()[:3],
     oi.Script(script=bytes(100)).encode()[:2], bytes([oi.Stream.opcode, 255])])
-def test_a_robot_in_the_middle_of_a_command_hears_a_stop_within_a_second(begun):
-    loop = Loop()
-    loop.run(0.5)
+def test_a_robot_in_the_middle_of_a_command_hears_a_stop_within_a_second(loop, begun):
     loop.drive(0.3, 0.0, 0.5)
     loop.robot.receive(begun, loop.now)
     loop.driver.stop(loop.now)
@@ -162,9 +160,7 @@ def test_a_robot_in_the_middle_of_a_command_hears_a_stop_within_a_second(begun):
     assert loop.driver.state.answered
 
 
-def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears():
-    loop = Loop()
-    loop.run(1)
+def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears(loop):
     pending = loop.driver.outputs.set_leds(
         oi.Leds(bits=oi.LedBits(0), color=7, intensity=8))
     loop.run(0.5)
@@ -180,9 +176,7 @@ def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hea
     assert loop.driver.stop(loop.now).outcome == (True, 'stop sent')
 
 
-def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on():
-    loop = Loop()
-    loop.run(0.5)
+def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on(loop):
     loop.drive(0.3, 0.0, 0.5)
     loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
     loop.run(3.0)
@@ -193,10 +187,8 @@ def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on(
     assert loop.body.truth().speed == 0
 
 
-def test_a_robot_that_waits_once_it_has_answered_is_told_of():
+def test_a_robot_that_waits_once_it_has_answered_is_told_of(loop):
     """It sends the list of a call, and nothing else since it waits."""
-    loop = Loop()
-    loop.run(0.5)
     loop.drive(0.3, 0.0, 0.5)
     call, wait = oi.Stream(packets=QUESTIONS[0].ids), oi.WaitEvent(event=oi.Event.PLAY_BUTTON)
     loop.robot.receive(call.encode() + wait.encode(), loop.now)
@@ -291,11 +283,6 @@ def test_wheels_stop_whatever_command_was_cut_short(command, words):
     soon = DRAINED if counted else AT_ONCE
     for begun in cuts(command):
         assert turning_after(begun, words) < soon, begun.hex(' ')
-
-
-@words
-def test_a_song_that_takes_the_stop_for_its_length_ends_within_the_drain(words):
-    assert turning_after(bytes([oi.Song.opcode, 0]), words) < DRAINED
 
 
 @words
