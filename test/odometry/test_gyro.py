@@ -4,6 +4,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from math import degrees, isfinite, pi, radians
 from random import Random
 
@@ -64,6 +65,12 @@ class Ride:
         return (degrees(self.gyro.estimate.yaw - truth), degrees(self.wheels.estimate.yaw - truth))
 
 
+@cache
+def known() -> Knowledge:
+    """Return what is learned of a robot whose gyro is believed."""
+    return Ride().prove().gyro.knowledge
+
+
 def test_a_turn_in_which_wheels_slip_is_that_of_the_gyro():
     ride = Ride().prove()
     assert ride.gyro.gyro.believed
@@ -89,8 +96,7 @@ def test_a_robot_that_is_lifted_and_turned_knows_its_heading():
 
 
 def test_a_robot_that_is_turned_slowly_by_its_bumper_knows_its_heading():
-    known = Ride().prove().gyro.knowledge
-    loop = Loop(Settings(gyro=GyroSettings(), robot=known),
+    loop = Loop(Settings(gyro=GyroSettings(), robot=known()),
                 config=replace(DEFAULT_BODY, gyro=True))
     loop.run(30)
     assert loop.driver.health(loop.now).gyro.believed
@@ -108,10 +114,8 @@ def test_a_robot_that_is_turned_slowly_by_its_bumper_knows_its_heading():
 
 
 def test_a_gyro_that_was_checked_is_believed_once_the_robot_has_stood():
-    first = Ride().prove()
-    known = first.gyro.knowledge
-    assert known.gyro.scale.value == pytest.approx(80, rel=0.06)
-    again = Ride(known=known, right_slip=0.1, left_slip=0.1).go(10)
+    assert known().gyro.scale.value == pytest.approx(80, rel=0.06)
+    again = Ride(known=known(), right_slip=0.1, left_slip=0.1).go(10)
     assert again.gyro.gyro.believed
     before = again.off
     for _ in range(4):
@@ -191,8 +195,7 @@ def test_another_pose_is_where_it_goes_on():
 
 @pytest.mark.parametrize('part', [0.56, 1.5, 0.75])
 def test_another_gyro_than_the_known_one_must_prove_itself(part):
-    known = Ride().prove().gyro.knowledge
-    ride = Ride(lambda volts: 2.5 + part * (volts - 2.5), known=known).go(10)
+    ride = Ride(lambda volts: 2.5 + part * (volts - 2.5), known=known()).go(10)
     for _ in range(6):
         ride.go(pi / 2 / 1.2, 0.0, 1.2).go(2.5)
         assert abs(ride.off[0]) < 5.0
@@ -200,8 +203,7 @@ def test_another_gyro_than_the_known_one_must_prove_itself(part):
 
 
 def test_a_run_without_the_gyro_keeps_what_is_known_of_it():
-    known = replace(Ride().prove().gyro.knowledge, readings=321)
-    odometry = Odometry(window=1.0, robot=known)
+    odometry = Odometry(window=1.0, robot=replace(known(), readings=321))
     odometry.update(Increment(SLOT, 0.1, 0.1))
-    assert odometry.knowledge.gyro == known.gyro
+    assert odometry.knowledge.gyro == known().gyro
     assert odometry.knowledge.readings == 321
