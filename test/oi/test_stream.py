@@ -137,15 +137,6 @@ def cuts(data: bytes, places: Iterable[int]) -> list[bytes]:
     return [data[start:end] for start, end in zip(marks, marks[1:])]
 
 
-@pytest.mark.parametrize('data', [
-    bytes(GARBAGE_LIMIT) + GOOD, bytes(GARBAGE_LIMIT - 1) + GOOD * 2, b'\x13' * 600 + GOOD])
-def test_a_long_noise_gives_the_same_events_however_it_is_split(data: bytes) -> None:
-    """Of shorter noise it is told below."""
-    whole = events([data], CLIFF)
-    assert joined(whole) == data and kinds(whole)[-1] == 'F'
-    assert events(cuts(data, [300]), CLIFF) == events(bytewise(data), CLIFF) == whole
-
-
 def commands_in(chunks: Iterable[bytes]) -> tuple[list[oi.Command | oi.UnknownOpcode], bytes]:
     reader = oi.CommandReader()
     found = []
