@@ -26,8 +26,7 @@ FOLDERS = ('launch', 'test', 'bench', 'tools', 'examples')
 OURS = {PACKAGE, *FOLDERS,
         *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
 ROSDEP_KEYS = {name: f'python3-{name}' for name in (
-    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pytest', 'segno', 'serial', 'yaml')} | {
-        'PIL': 'python3-pil'}
+    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pytest', 'segno', 'serial', 'yaml')}
 """Modules whose rosdep key has another name."""
 NO_KEY = {'mcap': 'docs/recording.md', 'rosbags': 'docs/recording.md',
           'playwright': 'CONTRIBUTING.md'}
@@ -147,8 +146,8 @@ JAZZY = ('action_msgs ament_cmake ament_index_python builtin_interfaces diagnost
          'rosidl_default_runtime sensor_msgs std_msgs std_srvs tf2_msgs').split()
 """Packages of ROS 2 Jazzy."""
 UBUNTU = [f'python3-{name}' for name in (
-    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pil', 'pytest', 'pytest-cov',
-    'pytest-timeout', 'pytest-xdist', 'segno', 'serial', 'yaml')]
+    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pytest', 'pytest-cov', 'pytest-timeout',
+    'pytest-xdist', 'segno', 'serial', 'yaml')]
 """Keys of rosdep that are packages of Ubuntu, of the same name."""
 ROSDEP_INSTALL = sorted({
     command.strip() for name in (
