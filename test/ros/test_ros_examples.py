@@ -54,18 +54,21 @@ def test_what_ros2_does_is_done_by_the_example(stage):
         stage, 'ros.py', 'set', '/create', 'cmd_vel_timeout', '0.4')
 
 
-@pytest.mark.parametrize(('arguments', 'why'), [
+MISTYPED = (
     (['echo', '/nothing'], 'nobody publishes /nothing: see list'),
     (['call', '/nothing'], 'nobody offers /nothing: see list'),
     (['call', '/set_mode', '{mod: 2}'], "has no field 'mod'; allowed: mode"),
     (['call', '/set_mode', '{mode'], "'{mode' is no YAML of the form '{field: value}'"),
     (['call', '/set_mode', '2'], "'2' is no YAML of the form '{field: value}'"),
     (['set', '/create', 'cmd_vel_timout', '1.0'], 'no parameter cmd_vel_timout; it has '),
-    (['set', '/nobody', 'cmd_vel_timeout', '1.0'], 'no node /nobody is found: see list')])
-def test_what_is_mistyped_is_said_in_a_line(stage, arguments, why):
-    program = stage.example('ros.py', *arguments)
-    assert program.ended() == 2
-    assert why in program.output and 'Traceback' not in program.output
+    (['set', '/nobody', 'cmd_vel_timeout', '1.0'], 'no node /nobody is found: see list'))
+
+
+def test_what_is_mistyped_is_said_in_a_line(stage):
+    started = [(stage.example('ros.py', *arguments), why) for arguments, why in MISTYPED]
+    for program, why in started:
+        assert program.ended() == 2
+        assert why in program.output and 'Traceback' not in program.output
 
 
 def test_a_node_of_ones_own_turns_away_from_a_wall(stage):
