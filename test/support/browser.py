@@ -30,7 +30,8 @@ def browsers() -> Iterator[Any]:
     from playwright.sync_api import sync_playwright
     with sync_playwright() as playwright:
         # In a container its sandbox may be impossible; only our own page is opened here.
-        browser = playwright.chromium.launch(executable_path=path, args=['--no-sandbox'])
+        browser = playwright.chromium.launch(
+            executable_path=path, args=['--no-sandbox', '--disable-gpu'])
         yield browser
         browser.close()
 
