@@ -68,7 +68,8 @@ class OpenPage:
         """Wait until a condition is true."""
         deadline = time.monotonic() + TIMEOUT_MS / 1000
         while not happened():
-            assert time.monotonic() < deadline, f'{what} did not happen'
+            assert time.monotonic() < deadline, (
+                f'{what} did not happen; the page shows {self.page.inner_text("body")}')
             self.page.wait_for_timeout(POLL_MS)
 
     def grab(self, right: float, up: float) -> None:

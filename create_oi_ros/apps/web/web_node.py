@@ -18,11 +18,10 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from ...ros.collector import subscribe
 from ...ros.driver_client import DriverClient, Goal, GoalState, Reply, SERVICE_TYPES
 from ...ros.velocity import VelocityOutput
+from ...ros.waiting import DISCOVERY_TIMEOUT
 from .live_robot import LiveRobot, PARTS
 from .page_messages import CALLS, feedback_part, PageMessage
 
-DISCOVERY_TIMEOUT = 2.0
-"""Seconds in which a driver that has just started must be found."""
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 """For `odom`: the page is told twenty times a second."""
 
