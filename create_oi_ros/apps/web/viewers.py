@@ -32,6 +32,8 @@ from .web_node import NewestGoal, WebNode
 
 HOLD = 0.15
 """Seconds that a command to drive holds."""
+STOP_TIMEOUT = 0.3
+"""Seconds in which the driver should have done a stop."""
 HEARTBEAT = 5.0
 """Seconds between two pings; a page that does not answer is disconnected."""
 MOST_REPLIES = 50
@@ -232,8 +234,15 @@ class Viewers:
     def _brake_if(self, due: bool) -> None:
         """Stop the wheels at once, beyond all limits: whoever drove sees them no more."""
         if due:
-            self._stop_if(True)
-            self._keep(self._node.call('stop'))
+            self._keep(self._brake())
+
+    async def _brake(self) -> None:
+        """Send a stop; a zero, which is followed gently, only where it is not done in time."""
+        stop = asyncio.create_task(self._node.call('stop'))
+        await asyncio.wait([stop], timeout=STOP_TIMEOUT)
+        done = stop.done() and stop.result().ok
+        self._stop_if(not done and not self._seat.driving)
+        await stop
 
     def _show_seat(self) -> None:
         driver = self._viewers.get(self._seat.viewer or 0)
