@@ -15,10 +15,10 @@ a robot shows no sign that it takes commands, such as another list that it was a
 speeds that it was sent. While a question is open,
 
 - it is asked again: by each call, or ever more seldom;
-- one stop of the driver's own, and one that somebody asks for, are sent to a robot whose frames
-  come, and any number to one that is called;
-- the driver sends nothing else of its own: no lists, modes, songs, LEDs or restart, and no
-  speeds but one zero. None of what it sends can do harm where a part of it is lost;
+- one stop that somebody asks for is sent to a robot whose frames come, and any number to one that
+  is called (`may_stop`);
+- the driver sends nothing of its own (`may_send`): no lists, modes, songs, LEDs or restart, and
+  no speeds but one zero. None of what it sends can do harm where a part of it is lost;
 - requests are refused where it is certain that the robot does not listen (`Core.refusal`).
 """
 
@@ -71,8 +71,8 @@ class Listening:
         """From when on it is asked ever more seldom, and when it is asked next."""
         self._stops = False
         """Whether a stop goes before it when it is asked first."""
-        self.stop_sent = False
-        """Whether a stop was sent since it is open."""
+        self._stopped = False
+        """Whether a stop was asked for since it is open."""
         self.trust()
 
     # Questions.
@@ -88,7 +88,7 @@ class Listening:
         """
         self._list = next((each for each in lists if each not in (self._list, self._newest)),
                           self._list)
-        self.open, self._asked, self.stop_sent = True, False, False
+        self.open, self._asked, self._stopped = True, False, False
         self._due, self._stops = due, after_script is not None
         self._since = due if after_script is None else after_script
 
@@ -114,6 +114,23 @@ class Listening:
             self.ask()
             self._due = max(
                 self._since, now + max(ASK_INTERVAL, ASK_FRACTION * (now - self._since)))
+
+    def close(self) -> None:
+        """Close the question without an answer: something else shows that the robot listens."""
+        self.open = False
+
+    # Who may send what.
+
+    @property
+    def may_send(self) -> bool:
+        """Whether the driver may send anything of its own."""
+        return not self.open
+
+    def may_stop(self) -> bool:
+        """Tell whether a stop that somebody asks for is sent; it counts as sent then."""
+        called = self._due == inf
+        before, self._stopped = self._stopped, True
+        return not self.open or called or not before
 
     # Doubt.
 

@@ -202,16 +202,12 @@ class Driver:
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        listening = self.core.listening
-        vain = self.state.activity is Activity.CLOSED or (
-            self.state.answered and listening.open and listening.stop_sent)
-        if not vain:
+        if self.state.activity is not Activity.CLOSED and self.core.listening.may_stop():
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
-        listening.stop_sent = True
         if self.core.outbox.call_off_motion() and self.scripts.playing:
-            self.core.listening.open = False
+            self.core.listening.close()
             self.plan.asked = None
             self.core.handle(StateEvent.SCRIPT_ENDED)
         self.core.handle(StateEvent.STOPPED)
@@ -291,7 +287,7 @@ class Driver:
                      for each in (before, self.core.readings))
         away = self._connection.was_away(now) or had is not None and (
             had is not mode or mode not in oi.ACTUATE)
-        self.core.listening.open = False
+        self.core.listening.close()
         self.core.handle(StateEvent.RETURNED if away else StateEvent.ANSWERED)
         wanted = self.status.wanted
         self.core.notice(Severity.INFO, f'robot answers; entering {wanted.name}')

@@ -15,11 +15,12 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
 from create_oi_ros.driver.listening import QUESTIONS
-from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, WAKE_UP
+from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, HALT, WAKE_UP
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.actuators import DARK, Lights
 from create_oi_ros.sim.server.faults import DAMAGE_TO_ROBOT, Fault, Faults
 from support.asking import power_cycle
+from support.goals import distance
 from support.loop import Loop, said
 from support.nightly import NIGHTLY, times, UNMEASURED
 from support.robot import GENTLE, Robot
@@ -92,15 +93,22 @@ def test_no_part_of_what_is_sent_does_harm(queue, tenths):
 
 
 @pytest.mark.parametrize('queue', [0, 256])
-def test_of_stops_while_the_robot_waits_two_are_sent_and_hold_after_it(queue):
+@pytest.mark.parametrize('ways', [('stop',), ('cancel',), ('cancel', 'stop')], ids=str)
+def test_of_stops_while_the_robot_waits_two_are_sent_and_hold_after_it(queue, ways):
     loop = waiting(20, wait_queue=queue)
     loop.drive(0.3, 0.0, 0.5)
     assert loop.driver.health(loop.now).suspects_commands
     before = bytes(loop.heard)
-    for _ in range(20):
-        loop.driver.stop(loop.now)
+    for way in 20 * ways:
+        if way == 'stop':
+            loop.driver.stop(loop.now)
+        else:
+            goal = loop.driver.goals.start(distance(0.5), loop.now)
+            loop.turn()
+            loop.driver.goals.cancel(goal, loop.now)
         loop.turn()
-    assert bytes(loop.heard[len(before):]).count(b'\x91') == 2
+    sent = bytes(loop.heard[len(before):]).replace(WAKE_UP, b'')
+    assert sent.count(bytes([HALT.opcode])) == 2
     loop.run(3.0)
     assert not loop.robot.waiting
     assert loop.body.truth().speed == 0
