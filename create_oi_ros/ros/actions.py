@@ -175,6 +175,7 @@ ALL_ACTIONS = (
         feedback=note_played,
         news=lambda tune: (tune.iterations_played, tune.note), result=tune_result),
 )
+ACTION_TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
 
 
 def malformed(name: str, request: Any) -> str:

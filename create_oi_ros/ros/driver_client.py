@@ -6,7 +6,6 @@ Sends goals and requests to a driver; coroutines of asyncio wait for what become
 Whoever uses this lets rclpy run beside them on the same thread, by `rclpy.spin_once` for example.
 """
 
-import asyncio
 from collections.abc import Callable
 from contextlib import suppress
 from enum import Enum
@@ -14,18 +13,13 @@ from typing import Any, NamedTuple
 
 from rclpy.action.client import ActionClient, ClientGoalHandle
 from rclpy.node import Node
-from rclpy.task import Future
 
-from .actions import ALL_ACTIONS, malformed
-from .services import SERVICES
-from .waiting import other_user
+from .actions import ACTION_TYPES, malformed
+from .answers import answer_of, found
+from .services import SERVICE_TYPES
 
-REPLY_TIMEOUT = 10.0
-"""Seconds in which the driver must answer a request, or accept a goal."""
-LOOK_INTERVAL, CHECK_INTERVAL = 0.1, 1.0
-"""Seconds between two looks for a driver, and whether it is still there."""
-ACTION_TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
-SERVICE_TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
+CHECK_INTERVAL = 1.0
+"""Seconds between two looks whether the driver is still there."""
 
 
 class Reply(NamedTuple):
@@ -36,24 +30,11 @@ class Reply(NamedTuple):
     message: Any = None
 
 
-async def awaited(future: Future, timeout: float) -> Any:
-    """Return the result of a future of rclpy; TimeoutError: none came within so many seconds."""
-    done = asyncio.Event()
-    future.add_done_callback(lambda _: done.set())
-    try:
-        await asyncio.wait_for(done.wait(), timeout)
-    except TimeoutError:
-        raise TimeoutError(f'the driver does not answer within {timeout:g} s') from None
-    return future.result()
-
-
 class DriverClient:
     """The clients of a node for the driver's actions and services, made when first needed."""
 
-    def __init__(self, node: Node, discovery_timeout: float) -> None:
-        """Look for the driver so many seconds at most."""
+    def __init__(self, node: Node) -> None:
         self.node = node
-        self._timeout = discovery_timeout
         self._clients: dict[str, Any] = {}
 
     def client(self, name: str) -> Any:
@@ -76,31 +57,17 @@ class DriverClient:
             if isinstance(client, ActionClient):
                 client.destroy()
 
-    async def find(self, name: str, given_up: Callable[[], bool] = lambda: False) -> None:
-        """Wait until a driver offers something; TimeoutError: none does."""
-        for _ in range(round(self._timeout / LOOK_INTERVAL)):
-            if given_up() or self.offered(name):
-                return
-            await asyncio.sleep(LOOK_INTERVAL)
-        raise TimeoutError(f'no driver offers {self.node.resolve_service_name(name)} in ROS '
-                           f'domain {self.node.context.get_domain_id()}')
-
-    def unanswered(self, error: TimeoutError) -> Reply:
-        """Return the reply where the driver was found, but has not answered."""
-        why = other_user(self.node)
-        return Reply(False, f'{error}: {why}' if why else str(error))
-
     async def call(self, name: str, request: Any) -> Reply:
         """Call a service of the driver."""
         try:
-            await self.find(name)
+            await found(self.node, name, lambda: self.offered(name))
             answer = self.client(name).call_async(request)
             try:
-                response = await awaited(answer, REPLY_TIMEOUT)
+                response = await answer_of(answer, self.node)
             finally:
                 self.client(name).remove_pending_request(answer)
         except TimeoutError as error:
-            return self.unanswered(error)
+            return Reply(False, str(error))
         return Reply(bool(response.success), str(response.message), response)
 
 
@@ -117,7 +84,7 @@ class Goal:
     """A goal of one of the driver's actions."""
 
     def __init__(self, driver: DriverClient, name: str, request: Any,
-                 on_change: Callable[['Goal'], object] = lambda goal: None) -> None:
+                 on_change: Callable[['Goal'], object]) -> None:
         """`on_change` is called at each change of `state` and `feedback`."""
         self.name, self.state = name, GoalState.SENT
         self.feedback: Any = None
@@ -132,18 +99,19 @@ class Goal:
         try:
             self.reply = await self._pursue()
         except TimeoutError as error:
-            self.reply = self._driver.unanswered(error)
+            self.reply = Reply(False, str(error))
         self._become(GoalState.REACHED if self.reply.ok else
                      GoalState.CANCELED if self._canceled else GoalState.FAILED)
         return self.reply
 
     async def _pursue(self) -> Reply:
-        await self._driver.find(self.name, lambda: self._canceled)
+        node = self._driver.node
+        await found(node, self.name, lambda: self._canceled or self._driver.offered(self.name))
         if self._canceled:
             return Reply(False, 'canceled before it was sent')
         sent = self._driver.client(self.name).send_goal_async(self._request, self._on_feedback)
         try:
-            handle = await awaited(sent, REPLY_TIMEOUT)
+            handle = await answer_of(sent, node)
         except TimeoutError:  # the driver may still accept it: cancel it then
             sent.add_done_callback(lambda late: late.result().cancel_goal_async())
             raise
@@ -158,7 +126,7 @@ class Goal:
         ended = handle.get_result_async()
         while self._driver.offered(self.name):
             with suppress(TimeoutError):
-                result = (await awaited(ended, CHECK_INTERVAL)).result
+                result = (await answer_of(ended, node, CHECK_INTERVAL)).result
                 return Reply(bool(result.success), str(result.message), result)
         return Reply(False, 'the driver has gone')
 
@@ -175,8 +143,7 @@ class Goal:
 
     def _on_feedback(self, message: Any) -> None:
         self.feedback = message.feedback
-        if self.state is GoalState.UNDER_WAY:
-            self._on_change(self)
+        self._on_change(self)
 
     def _become(self, state: GoalState) -> None:
         self.state = state

@@ -17,11 +17,13 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import ok
 
-from .driver_client import ACTION_TYPES, DriverClient, Goal, GoalState, Reply, SERVICE_TYPES
+from .actions import ACTION_TYPES
+from .driver_client import DriverClient, Goal, GoalState, Reply
 from .messages import filled
 from .process import end_in_time, stop_signals_as_ctrl_c
 from .programs import INTERRUPTED
-from .waiting import DISCOVERY_TIMEOUT, say_if_waiting
+from .services import SERVICE_TYPES
+from .waiting import say_if_waiting
 
 Result = TypeVar('Result')
 SPIN_INTERVAL = 0.02
@@ -63,7 +65,7 @@ class GoalClient:
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
             self._restore_signals = stop_signals_as_ctrl_c()
         self.node = rclpy.create_node(self._name, namespace=self._namespace)
-        self._driver = DriverClient(self.node, DISCOVERY_TIMEOUT)
+        self._driver = DriverClient(self.node)
         self._runner = asyncio.Runner()
         return self
 

@@ -138,6 +138,7 @@ SERVICES = (
         about='play the stored script; one that cannot end only by `force`'),
 )
 """All services."""
+SERVICE_TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 
 
 def offer(node: Node, session: Session, model: ModelKeeper) -> None:

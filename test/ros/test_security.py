@@ -23,9 +23,8 @@ from rclpy.task import Future
 
 from create_oi_ros.apps.lidar import LidarNode
 from create_oi_ros.apps.web.web_node import WebNode
-from create_oi_ros.ros.actions import ALL_ACTIONS
+from create_oi_ros.ros.actions import ACTION_TYPES, ALL_ACTIONS
 from create_oi_ros.ros.bags import Recorder
-from create_oi_ros.ros.driver_client import ACTION_TYPES
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED

@@ -14,9 +14,9 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from ...robot import TOP_SPEED
-from ...ros.actions import malformed
-from ...ros.driver_client import ACTION_TYPES, SERVICE_TYPES
+from ...ros.actions import ACTION_TYPES, malformed
 from ...ros.messages import filled
+from ...ros.services import SERVICE_TYPES
 from .access import Refused, TOP_TURN
 
 CALLS = ('set_mode', 'stop', 'set_leds', 'reset_odometry')

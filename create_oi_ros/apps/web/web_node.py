@@ -16,9 +16,9 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from ...ros.collector import subscribe
-from ...ros.driver_client import DriverClient, Goal, GoalState, Reply, SERVICE_TYPES
+from ...ros.driver_client import DriverClient, Goal, GoalState, Reply
+from ...ros.services import SERVICE_TYPES
 from ...ros.velocity import VelocityOutput
-from ...ros.waiting import DISCOVERY_TIMEOUT
 from .live_robot import LiveRobot, PARTS
 from .page_messages import CALLS, feedback_part, PageMessage
 
@@ -36,7 +36,7 @@ class WebNode(Node):
         self.robot = LiveRobot(self.get_namespace())
         subscribe(self, PARTS, lambda name, message: self.robot.update(
             name, message, time.monotonic()), odom=NEWEST)
-        self.driver = DriverClient(self, DISCOVERY_TIMEOUT)
+        self.driver = DriverClient(self)
         for name in CALLS:  # discovery takes a moment: before they are needed
             self.driver.client(name)
 
