@@ -3,8 +3,8 @@
 """
 Publishes frames: one message for each topic, made once and filled again.
 
-A topic without subscribers is not published; how many there are is checked ten times a second.
-Changes of latched topics are always published, for subscribers that come later.
+A topic without subscribers is not published, but changes of latched topics always are, for
+subscribers that come later.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,7 @@ from .parameters import Parameters
 from .topics import SensorTopic, Topic
 
 CHECK_INTERVAL = 0.1
-"""Seconds between two checks of subscribers, and of the node's clock."""
+"""Seconds between two comparisons of the clocks."""
 CLOCK_SPREAD, CLOCK_TRIES = 1e-4, 10
 """Seconds within which two clocks must be read together, and how often that is tried."""
 CLOCK_WARNING_INTERVAL = 5.0
@@ -132,8 +132,11 @@ class FrameTopic:
         self._message, self._fill = message, fill
         stamped = message.transforms[0] if topic is topics.TF else message
         self._stamp: Stamp = stamped.header.stamp
-        self.heard = False
+
+    @property
+    def heard(self) -> bool:
         """Whether there are subscribers."""
+        return self.publisher.get_subscription_count() > 0
 
     def publish(self, stamp: int, source: Any) -> None:
         """Publish the message of an estimate or of readings with this stamp, ns."""
@@ -224,12 +227,7 @@ class FramePublisher:
         # A StateTopic is published on change only.
         self._repeated = [each for each in self._sensors if each.topic.period != inf]
         self._contacts = ContactTopic(node, parameters)
-        self._checked = [*self._motion, self._contacts, *self._repeated]
-        """What is published only where it is heard."""
-        if self._imu is not None:
-            self._checked.append(self._imu)
-        self._motion_pace, self._check_pace = Pace(), Pace()
-        self._check()
+        self._motion_pace = Pace()
 
     def publish(self, moved: Moved, parameters: Parameters) -> None:
         """
@@ -260,14 +258,8 @@ class FramePublisher:
                     sensor.publish(stamp, moved.readings)
         if self._contacts.heard:
             self._contacts.take(moved, stamp, parameters)
-        if self._check_pace.due(moved.stamp, CHECK_INTERVAL):  # last, since it takes a while
-            self._check()
 
     def repeat(self) -> None:
         """Publish every sensor in the next frame, as if all had changed."""
         for sensor in self._sensors:
             sensor.forget()
-
-    def _check(self) -> None:
-        for topic in self._checked:
-            topic.heard = topic.publisher.get_subscription_count() > 0
