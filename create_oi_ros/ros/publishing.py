@@ -15,7 +15,7 @@ import time
 from typing import Any
 
 from builtin_interfaces.msg import Time as Stamp
-from rclpy.clock import JumpThreshold, ROSClock
+from rclpy.clock import ROSClock
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -64,12 +64,9 @@ class StampClock:
         assert isinstance(clock, ROSClock), 'the clock of every node'
         self._clock = clock
         self._log = node.get_logger()
-        self._offset: int | None = None
-        """Nanoseconds from the driver's clock to the node's; None: that is simulated."""
+        self._offset = 0
+        """Nanoseconds from the driver's clock to the node's."""
         self._measure_at = -inf
-        self._jump_handle = clock.create_jump_callback(  # when `use_sim_time` is set
-            JumpThreshold(min_forward=None, min_backward=None),
-            post_callback=lambda _: setattr(self, '_measure_at', -inf))
         self.newest: int | None = None
         """Stamp of the newest frame; None before the first."""
 
@@ -79,11 +76,13 @@ class StampClock:
 
     def of_frame(self, stamp: float) -> int | None:
         """Return the stamp of a frame that left the robot at this moment, s, of the driver."""
-        if stamp >= self._measure_at:
-            self._measure_at = stamp + CHECK_INTERVAL
-            self._offset = None if self._clock.ros_time_is_active else self._measured()
-        found = (self.now() if self._offset is None
-                 else self._offset + round(stamp * messages.NANOSECONDS))
+        if self._clock.ros_time_is_active:
+            found = self.now()
+        else:
+            if stamp >= self._measure_at:
+                self._measure_at = stamp + CHECK_INTERVAL
+                self._offset = self._measured()
+            found = self._offset + round(stamp * messages.NANOSECONDS)
         if found is not None and self.newest is not None and found < self.newest:
             if self.newest - found > CLOCK_JITTER:
                 self._log.warning(
