@@ -156,13 +156,8 @@ class SensorFrameTopic(FrameTopic):
         self.topic = topic
         self.pace = Pace()
         self._watched = Readings.numbers(*topic.watch)
-        self._last: tuple[int, ...] = ()
-        self.complete = False
-        """Whether all the readings that it needs have arrived."""
-
-    def forget(self) -> None:
-        """Take the next value for a change."""
-        self._last = ()
+        self.last: tuple[int, ...] = ()
+        """Watched readings at the last change; none before all that it needs have arrived."""
 
     def publish_change(self, stamp: int, readings: Readings) -> bool:
         """
@@ -170,15 +165,14 @@ class SensorFrameTopic(FrameTopic):
 
         The first time is when all that it needs have arrived.
         """
-        self.complete = self.complete or readings.has(*self.topic.watch, *self.topic.needs)
-        if not self.complete:
+        if not self.last and not readings.has(*self.topic.watch, *self.topic.needs):
             return False
         watched = self._watched(readings)
         if self.topic.bits is not None:
             watched = (watched[0] & self.topic.bits,)
-        changed = watched != self._last
+        changed = watched != self.last
         if changed:
-            self._last = watched
+            self.last = watched
             if self.heard or self.topic.latched:
                 self.publish(stamp, readings)
         return changed
@@ -252,7 +246,7 @@ class FramePublisher:
                 self._imu.publish(stamp, moved.estimate)
             for sensor in self._repeated:
                 period = sensor.topic.period or 1 / parameters.sensor_rate
-                if (sensor.pace.due(moved.stamp, period) and sensor.heard and sensor.complete
+                if (sensor.pace.due(moved.stamp, period) and sensor.heard and sensor.last
                         and sensor not in changed):
                     sensor.publish(stamp, moved.readings)
         if self._contacts.heard:
@@ -261,4 +255,4 @@ class FramePublisher:
     def repeat(self) -> None:
         """Publish every sensor in the next frame, as if all had changed."""
         for sensor in self._sensors:
-            sensor.forget()
+            sensor.last = ()
