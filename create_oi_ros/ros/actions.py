@@ -25,6 +25,7 @@ from create_oi_msgs.action import (
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.time import Time
 from std_msgs.msg import Header
@@ -37,7 +38,7 @@ from ..driver.songs import Tune
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ..oi.tools.tunes import note_text, parse_tune
-from .messages import duration, of_yaw, seconds, Values, yaw_of
+from .messages import of_yaw, seconds, Values, yaw_of
 from .parameters import Parameters
 from .publishing import StampClock
 from .services import answer, future_of, QUEUE
@@ -81,7 +82,8 @@ def dock_seen(goal: Goal) -> Values:
 def note_played(tune: Tune) -> Values:
     """Return the note that sounds."""
     return {'note': note_text(tune.notes[tune.note].number), 'place': tune.note,
-            'iterations_played': tune.iterations_played, 'current_runtime': duration(tune.seconds)}
+            'iterations_played': tune.iterations_played,
+            'current_runtime': Duration(seconds=tune.seconds).to_msg()}
 
 
 def tune(request: Any) -> Tune:
@@ -103,7 +105,7 @@ def goal_result(goal: Goal) -> Values:
 
 def tune_result(tune: Tune) -> Values:
     assert tune.outcome is not None
-    return {**answer(tune.outcome), 'runtime': duration(tune.seconds),
+    return {**answer(tune.outcome), 'runtime': Duration(seconds=tune.seconds).to_msg(),
             'iterations_played': tune.iterations_played}
 
 

@@ -55,11 +55,6 @@ def seconds(duration: Duration) -> float:
     return float(duration.sec + duration.nanosec / NANOSECONDS)
 
 
-def duration(length: float) -> Duration:
-    sec, nanosec = divmod(round(length * NANOSECONDS), NANOSECONDS)
-    return Duration(sec=sec, nanosec=nanosec)
-
-
 def empty_odometry(odom_frame: str, base_frame: str) -> Odometry:
     """Return a message to be filled with `odometry`; axes that are not measured are set."""
     message = Odometry(header=Header(frame_id=odom_frame), child_frame_id=base_frame)
