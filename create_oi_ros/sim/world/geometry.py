@@ -113,12 +113,7 @@ def chain(points: Sequence[Point]) -> tuple[LineSegment, ...]:
 
 def reach(obstacles: Iterable[Obstacle], x: float, y: float, dx: float, dy: float) -> float:
     """Return how far a ray runs to the first obstacle; inf: it meets none."""
-    nearest = math.inf
-    for each in obstacles:
-        far = each.hit(x, y, dx, dy)
-        if far < nearest:
-            nearest = far
-    return nearest
+    return min((each.hit(x, y, dx, dy) for each in obstacles), default=math.inf)
 
 
 def sees(obstacles: Iterable[Obstacle], a: Point, b: Point) -> bool:
