@@ -18,8 +18,6 @@ import math
 
 from ...oi import ChargingState
 
-LONGEST_STEP = 1.0
-"""Seconds that are computed at once."""
 CAPACITY = 2.7
 """Ampere hours (reported: the yellow pack's 3.0 nominal reads 2.6 to 2.7)."""
 INITIAL_LEVEL = 0.9
@@ -67,12 +65,6 @@ class Battery:
 
     def step(self, dt: float, drawn: float, charger: bool) -> None:
         """Let dt seconds pass while `drawn` amperes are used; `charger`: one is connected."""
-        while dt > 0:
-            part = min(dt, LONGEST_STEP)
-            self._step(part, drawn, charger)
-            dt -= part
-
-    def _step(self, dt: float, drawn: float, charger: bool) -> None:
         self.state = self._next_state() if charger else ChargingState.NOT_CHARGING
         given = CHARGE_CURRENTS.get(self.state, 0.0)
         # A charger that works also feeds the robot; one that waits or has failed does not.

@@ -36,9 +36,10 @@ from .gyro import Gyro
 from .mechanics import Mechanics, Truth
 from .sensed import clamped, ForcedValues, Sensed
 from .surroundings import CLIFF_BELOW, WALL_SEEN
+from .wheels import TIME_TOLERANCE
 
-TIME_TOLERANCE = 1e-9
-"""Seconds by which a sum of times may miss a deadline."""
+LONGEST_STEP = 1.0
+"""Seconds that are computed at once: so long, the battery hardly changes."""
 
 
 class Body:
@@ -216,8 +217,7 @@ class Body:
 
     def _step(self, longest: float) -> float:
         """Advance by the longest time with constant accelerations and no deadline; return it."""
-        left = self._deadline - self._time
-        h = longest if longest < left else left
+        h = min(longest, self._deadline - self._time, LONGEST_STEP)
         if h > TIME_TOLERANCE or h == longest:
             mechanics = self._mechanics
             h = mechanics.horizon(h)

@@ -17,12 +17,10 @@ from typing import NamedTuple
 
 from ...robot import TOP_SPEED
 from .config import BodyConfig, EncoderSign
-from .wheels import Lag, Ramp, Response, Spring, Unsteady
+from .wheels import Lag, Ramp, Response, Spring, TIME_TOLERANCE, Unsteady
 
 GAUSS_NODE = 0.5 - 0.5 / math.sqrt(3)
 """Part of a piece of time at which a two-point Gauss sum looks first."""
-TIME_TOLERANCE = 1e-9
-"""Seconds by which a sum of times may miss the moment at which a request takes effect."""
 TICK_TOLERANCE = 1e-9
 """Ticks by which a sum of floats may miss a whole number of them."""
 

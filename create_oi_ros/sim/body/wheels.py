@@ -57,7 +57,7 @@ where it was."""
 MAX_UNSTEADINESS, MIN_FACTOR = 0.1, 0.1
 """The most that may be asked of such a wheel, and the least factor that it ever has."""
 TIME_TOLERANCE = 1e-9
-"""Seconds by which a sum of times may miss the end of a beat."""
+"""Seconds by which a sum of times may miss a moment at which something begins or ends."""
 
 
 class Lag:
