@@ -98,7 +98,7 @@ class Interpreter:
         self._lidar: Lidar | None = None
 
     def step(self) -> None:
-        """Turn the lidar, if anybody has asked for a scan; call this after every slot."""
+        """Turn the lidar, if anybody has asked for a scan; called after every slot."""
         if self._lidar is not None:
             self._lidar.step(self._create.time, self._body.truth().pose)
 
@@ -398,11 +398,6 @@ class ControlPort:
             if client.gone:
                 client.socket.close()
         self._clients = [each for each in self._clients if not each.gone]
-
-    @property
-    def waited_on(self) -> bool:
-        """Whether a client waits for something to happen."""
-        return any(each.waiting is not None for each in self._clients)
 
     def _read(self, client: ControlConnection) -> None:
         try:

@@ -105,11 +105,6 @@ class Faults:
         self.cable_cut = False
         """Whether the control socket has cut the cable."""
 
-    @property
-    def quiet(self) -> bool:
-        """Nothing happens to the line, as in nearly all runs."""
-        return not (self.faults or self._active or self.cable_cut)
-
     def step(self, time: float) -> set[FaultKind]:
         """Advance to `time`, a slot at a time; return the kinds that started in this slot."""
         before = self._active
@@ -139,8 +134,6 @@ class Faults:
     def _passed(self, data: bytes, time: float, loss: FaultKind,
                 damage: tuple[FaultKind, ...]) -> bytes:
         """Return what is left of bytes in one direction."""
-        if self.quiet:
-            return data
         if self.cable_cut or self._active & {loss, FaultKind.CUT, FaultKind.UNPLUG}:
             return b''
         random = self._random

@@ -42,7 +42,7 @@ class Server:
         self._last_byte = b''
         self.control = Interpreter(create, line, self._faults, self.stop)
         self.control_port: ControlPort | None = None
-        self.watchers: list[Callable[[], None]] = []
+        self.watchers: list[Callable[[], None]] = [self.control.step]
         """Called after every slot."""
         self._origin = 0.0
         self._slots = 0
@@ -89,17 +89,15 @@ class Server:
         return now
 
     def _slot(self, now: float) -> None:
-        if not self._faults.quiet:
-            self._cause_faults(now)
+        self._cause_faults(now)
         baud = self._line.baud()
         self._bauds = self._bauds[1], baud
         self._create.host_baud(baud)
         self._create.poll(now)
         self._send(now)
-        self.control.step()
         for watch in self.watchers:
             watch()
-        if self.control_port is not None and self.control_port.waited_on:
+        if self.control_port is not None:
             self.control_port.serve(self._create.time)
 
     def _cause_faults(self, now: float) -> None:
