@@ -23,8 +23,8 @@ from .port import exists, lasting_name, Port, PortError
 
 READ_TIMEOUT = 0.02
 """Longest wait of a read, in seconds; the driver's timers may be late by as much."""
-RETRY_FIRST, RETRY_MOST = 0.1, 0.8
-"""Seconds between attempts to open the port: doubling from the first to the second."""
+RETRY_INTERVAL = 0.25
+"""Seconds between attempts to open the port."""
 NAMES_SETTLED = 1.0
 """Seconds after plugging in when a device has all its names."""
 LEAST_LIFE = 1.0
@@ -154,37 +154,21 @@ class Session:
         self._stopped = True
 
     def _run(self) -> None:
-        pause = RETRY_FIRST
         try:
             while not self._closing.is_set():
-                began = time.monotonic()
                 port = self._open()
                 while port is not None and self.port is port and not self._closing.is_set():
                     self._read(port)
                 if port is not None and self.port is not port:
                     port.close()  # lost; only here, since this thread may just be reading it
-                if time.monotonic() - began > RETRY_MOST:
-                    pause = RETRY_FIRST
-                self._wait(pause)
-                pause = min(pause * 2, RETRY_MOST)
+                self._closing.wait(RETRY_INTERVAL)
         finally:
             if not self._closing.is_set():
                 self._on_failure()
 
-    def _device(self) -> str | None:
-        """Return the name by which the device can be opened now; None where it is missing."""
-        names = (self.url, self._lasting_name)
-        return next((name for name in names if name is not None and exists(name)), None)
-
-    def _wait(self, pause: float) -> None:
-        """Wait before the next attempt to open; return early when a missing device appears."""
-        missing, until = self._device() is None, time.monotonic() + pause
-        while time.monotonic() < until and not self._closing.wait(min(pause, RETRY_FIRST)):
-            if missing and self._device() is not None:
-                return
-
     def _open(self) -> Port | None:
-        url = self._device() or self.url
+        names = (self.url, self._lasting_name)
+        url = next((name for name in names if name is not None and exists(name)), self.url)
         try:
             port = self._open_port(url, self.driver.baud, timeout=READ_TIMEOUT)
         except PortError as error:
