@@ -21,7 +21,7 @@ from x). `#` starts a comment; blank lines are ignored.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from importlib import resources
 import math
 from typing import NamedTuple
@@ -90,11 +90,11 @@ class HomeBase:
     """
 
     pose: Pose
-    plate: LineSegment = field(init=False, compare=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, 'plate', LineSegment(self.pose.ahead(0, -PLATE),
-                                                  self.pose.ahead(0, PLATE)))
+    @property
+    def plate(self) -> LineSegment:
+        """The front, as an obstacle."""
+        return LineSegment(self.pose.ahead(0, -PLATE), self.pose.ahead(0, PLATE))
 
     def beams_on(self, point: Point) -> tuple[bool, bool, bool]:
         """Return whether red buoy, green buoy and force field cover the point."""
@@ -139,31 +139,25 @@ class World:
         return (*self.ground, *self.cliffs, *(region for _, region in self.patches))
 
 
-class Keyword(NamedTuple):
-    """The numbers of a line: their form for messages, and how many it takes."""
-
-    form: str
-    least: int
-    most: float
-
-    def fits(self, count: int) -> bool:
-        """Return whether a line may have this many numbers; an open end takes X Y pairs."""
-        return self.least <= count <= self.most and (
-            self.most < math.inf or (count - self.least) % 2 == 0)
-
-
 KEYWORDS = {
-    'start': Keyword('X Y YAW', 3, 3),
-    'floor': Keyword('R', 1, 1),
-    'patch': Keyword('R X Y X Y X Y ...', 7, math.inf),
-    'ground': Keyword('X Y X Y X Y ...', 6, math.inf),
-    'cliff': Keyword('X Y X Y X Y ...', 6, math.inf),
-    'wall': Keyword('X Y X Y ...', 4, math.inf),
-    'box': Keyword('X Y X Y', 4, 4),
-    'post': Keyword('X Y R', 3, 3),
-    'virtual_wall': Keyword('X Y YAW L', 4, 4),
-    'home_base': Keyword('X Y YAW', 3, 3),
+    'start': 'X Y YAW',
+    'floor': 'R',
+    'patch': 'R X Y X Y X Y ...',
+    'ground': 'X Y X Y X Y ...',
+    'cliff': 'X Y X Y X Y ...',
+    'wall': 'X Y X Y ...',
+    'box': 'X Y X Y',
+    'post': 'X Y R',
+    'virtual_wall': 'X Y YAW L',
+    'home_base': 'X Y YAW',
 }
+"""The numbers of each line; three dots take more X Y pairs."""
+
+
+def _fits(form: str, count: int) -> bool:
+    """Return whether a line of this form may have this many numbers."""
+    more = count - len(form.removesuffix(' ...').split())
+    return more == 0 or (form.endswith('...') and more > 0 and more % 2 == 0)
 
 
 def parse(text: str, name: str) -> World:
@@ -181,13 +175,13 @@ def parse(text: str, name: str) -> World:
 
 def _with_line(world: World, words: Sequence[str]) -> World:
     """Return a world with what another line says."""
-    keyword = KEYWORDS.get(words[0])
-    if keyword is None:
+    form = KEYWORDS.get(words[0])
+    if form is None:
         raise ValueError(f'unknown {words[0][:LONGEST]!r}; allowed: {", ".join(KEYWORDS)}')
     numbers = [number(each) for each in words[1:]]
-    if not keyword.fits(len(numbers)):
+    if not _fits(form, len(numbers)):
         raise ValueError(f'{len(numbers)} numbers after {words[0]!r}; '
-                         f'allowed: "{words[0]} {keyword.form}"')
+                         f'allowed: "{words[0]} {form}"')
     obstacles = world.obstacles
     match words[0]:
         case 'start':
