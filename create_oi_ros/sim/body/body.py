@@ -180,7 +180,7 @@ class Body:
         """Set which drive wheels somebody holds; if commanded, they draw too much current."""
         wheels = self._mechanics.wheels
         for wheel, held in ((wheels.right, right), (wheels.left, left)):
-            wheel.held = held
+            wheel.hold(held)
         self._sensed = None
 
     def plug_charger(self, plugged: bool) -> None:

@@ -34,7 +34,8 @@ class Wheel:
         """What the wheel is driven at now, m/s."""
         self.slip = slip
         self.grounded = True
-        self._held = False
+        self.held = False
+        """Whether somebody holds it."""
         self._counts_up = True
         """Whether the encoder takes the wheel to turn forwards."""
         self._config = config
@@ -81,20 +82,15 @@ class Wheel:
         self._follower.speed = speed
         self._follower.aim(self.goal)
 
-    @property
-    def held(self) -> bool:
-        """Whether somebody holds it."""
-        return self._held
-
-    @held.setter
-    def held(self, held: bool) -> None:
-        self._held = held
+    def hold(self, held: bool) -> None:
+        """Hold it, or let it go."""
+        self.held = held
         self.speed = 0.0 if held else self.speed
 
     @property
     def goal(self) -> float:
         """The speed that it settles at."""
-        if self._held or abs(self.target) < self._config.dead_band or not self.target:
+        if self.held or abs(self.target) < self._config.dead_band or not self.target:
             return 0.0
         return self.target * self._gain + math.copysign(self._offset, self.target)
 
@@ -118,7 +114,7 @@ class Wheel:
         """Turn for h seconds, at most `horizon`; return the tread's travel, metres."""
         if self._requests:
             self._requests = deque((wait - h, speed) for wait, speed in self._requests)
-        return 0.0 if self._held else self._follower.roll(h)
+        return 0.0 if self.held else self._follower.roll(h)
 
     def count(self, travel: float) -> float:
         """
