@@ -45,6 +45,8 @@ def test_in_a_shipped_world_the_robot_starts_free_and_on_the_floor(name):
     ('wal 0 0 1 1', "unknown 'wal'; allowed: start, floor, patch, ground, cliff, wall"),
     ('wall 0 0 1', "3 numbers after 'wall'; allowed: \"wall X Y X Y ...\""),
     ('wall 0 0', "2 numbers after 'wall'"),
+    ('wall 0 0 1 1 2', "5 numbers after 'wall'"),
+    ('start 0 0 0 0', "4 numbers after 'start'"),
     ('wall 0 0 0 0', 'has no length'),
     ('box 0 0 1', "3 numbers after 'box'; allowed: \"box X Y X Y\""),
     ('box 1 1 1 2', 'has no length'),
