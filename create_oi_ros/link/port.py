@@ -134,11 +134,6 @@ class Port:
             self._serial.close()
 
 
-def exists(url: str) -> bool:
-    """Tell whether a device is there; a URL is taken to be."""
-    return '://' in url or os.path.exists(url)
-
-
 def lasting_name(device: str, names: str = '/dev/serial/by-id') -> str | None:
     """
     Return the name by which a device is found again after it was plugged in elsewhere.

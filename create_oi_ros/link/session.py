@@ -13,13 +13,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from math import inf
+import os
 import threading
 import time
 
 from ..driver import DEAD_MAN_STOP, Driver, DriverEvent, Health, Notice, Severity
 from ..oi.tools.capture_format import RecordKind
 from .dead_man import DeadMan
-from .port import exists, lasting_name, Port, PortError
+from .port import lasting_name, Port, PortError
 
 READ_TIMEOUT = 0.02
 """Longest wait of a read, in seconds; the driver's timers may be late by as much."""
@@ -167,8 +168,8 @@ class Session:
                 self._on_failure()
 
     def _open(self) -> Port | None:
-        names = (self.url, self._lasting_name)
-        url = next((name for name in names if name is not None and exists(name)), self.url)
+        lasting = self._lasting_name
+        url = lasting if lasting is not None and os.path.exists(lasting) else self.url
         try:
             port = self._open_port(url, self.driver.baud, timeout=READ_TIMEOUT)
         except PortError as error:
