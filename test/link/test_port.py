@@ -319,6 +319,9 @@ def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypa
             (tmp_path / 'beside').symlink_to(tmp_path / 'ttyUSB1')
             (tmp_path / 'beside').replace(name)
             heard.wait_for('robot answers', times=2)
+        name.unlink()
+        with robot_on(tmp_path / 'ttyUSB0'):  # by another adapter
+            heard.wait_for('robot answers', times=3)
 
 
 def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
