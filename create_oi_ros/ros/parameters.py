@@ -26,7 +26,6 @@ from ..robot import TOP_SPEED
 from .topics import ALL_TOPICS
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
-ACTIONS = {action.value: action for action in LowBatteryAction}
 BAUDS = tuple(code.rate for code in BaudCode)
 
 
@@ -132,7 +131,8 @@ class Parameters:
         'below 5 % is, too', low=0.0, high=20.0)
     low_battery_action: str = parameter(
         Settings.low_battery_action.value, 'What to do when the battery is nearly empty: nothing, '
-        'stop in Passive, or look for the dock', choices=tuple(ACTIONS))
+        'stop in Passive, or look for the dock',
+        choices=tuple(action.value for action in LowBatteryAction))
     reset_when_not_charging: bool = parameter(
         Settings.reset_when_not_charging, 'Whether a robot that does not charge on its Home Base '
         'is restarted (opcode 7)')
@@ -151,7 +151,7 @@ class Parameters:
             mode_on_exit=START_MODES[self.mode_on_exit], recover_mode=self.recover_mode,
             battery_low=self.battery_low, battery_empty=self.battery_empty,
             charge_known=self.charge_known,
-            low_battery_action=ACTIONS[self.low_battery_action],
+            low_battery_action=LowBatteryAction(self.low_battery_action),
             reset_when_not_charging=self.reset_when_not_charging,
             dock_pose=pose(self.dock_pose), output_names=self.output_names,
             odometry_window=self.odometry_window, limits=self.limits(),
