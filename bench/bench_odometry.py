@@ -29,7 +29,7 @@ from odometry_cases import damaged_line, follow_log, rows_of
 from odometry_cost import costs
 from odometry_loop import Journey
 from odometry_rig import Event, held, lame, loaded, Misled, nothing, pushed
-from results import Figure, keep, machine, show_all
+from results import Figure, run
 from rivals import Rival
 from robots import anywhere, centre, exact, Robot, unsteady
 
@@ -150,31 +150,24 @@ def of_logs(folder: Path) -> list[Figure]:
     return made
 
 
-def main() -> None:
-    """Print the table; keep the figures."""
-    parser = ArgumentParser()
-    parser.add_argument('--drives', type=int, default=EACH, help='of each row')
-    parser.add_argument('--rows', nargs='*', default=list(ROWS), choices=list(ROWS))
-    parser.add_argument('--processes', type=int, default=None)
-    parser.add_argument('--logs', type=Path, default=None, metavar='FOLDER',
-                        help='logs of real wheels, which are not part of the project')
-    options = parser.parse_args()
-    where = machine()
-    with Pool(options.processes) as pool:
-        jobs = [(name, number) for number in range(options.drives) for name in options.rows]
+def measure(names: list[str], drives: int, logs: Path | None) -> list[Figure]:
+    """Return the figures of these rows, each of so many drives, and of all else."""
+    with Pool() as pool:
+        jobs = [(name, number) for number in range(drives) for name in names]
         found = dict(zip(jobs, pool.starmap(drive, jobs, chunksize=1)))
-        made = [figure(name, [found[name, number] for number in range(options.drives)])
-                for name in options.rows]
+        made = [figure(name, [found[name, number] for number in range(drives)]) for name in names]
         lines = pool.starmap(damaged_line, [
             (rounding, seed) for rounding in Rounding for seed in range(LINES)])
     made.append(Figure('damaged line', max(lines), '% of the way', MOST_LOST))
-    if options.logs is not None:
-        made += of_logs(options.logs)
-    made += costs()
-    show_all(made)
-    if options.drives == EACH and options.rows == list(ROWS):
-        keep('bench_odometry', made, where)
+    return [*made, *([] if logs is None else of_logs(logs)), *costs()]
 
 
 if __name__ == '__main__':
-    main()
+    parser = ArgumentParser()
+    parser.add_argument('--drives', type=int, default=EACH, help='of each row')
+    parser.add_argument('--rows', nargs='*', default=list(ROWS), choices=list(ROWS))
+    parser.add_argument('--logs', type=Path, default=None, metavar='FOLDER',
+                        help='logs of real wheels, which are not part of the project')
+    options = parser.parse_args()
+    run('bench_odometry', lambda: measure(options.rows, options.drives, options.logs),
+        whole=options.drives == EACH and options.rows == list(ROWS))

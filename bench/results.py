@@ -5,7 +5,7 @@ Measured figures: printed as a table and saved in `bench/results.json`.
 
 Every bench program passes a function that returns its figures to `run`. The file has one entry for
 each program: its figures, and when and on what machine they were measured. A run replaces the
-entry of its program only, one line for each figure. `document.py` reads the file.
+entry of its program only. `document.py` reads the file.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,15 +14,12 @@ import json
 import os
 from pathlib import Path
 import platform
-import re
 from statistics import median, quantiles
 from typing import Any, NamedTuple
 
 from create_oi_ros.oi.tools.tables import columns
 
 RESULTS = Path(__file__).with_name('results.json')
-PART = re.compile('[,:] (mean|slowest|truncate|round|carry)$')
-"""Ends of the names of figures that share a row of a table."""
 
 
 class Figure(NamedTuple):
@@ -67,30 +64,21 @@ def machine() -> dict[str, Any]:
 
 
 def rows(figures: Sequence[Figure]) -> list[list[str]]:
-    """Return a table, its heading first; figures of one thing share a row, missed is bold."""
-    things: dict[str, dict[str, Figure]] = {}
-    for figure in figures:
-        thing, *part = PART.split(figure.what)
-        things.setdefault(thing, {})[part[0] if part else ''] = figure
-    table = [['what', 'value', 'target', 'beside']]
-    for thing, parts in things.items():
-        what = thing if '' in parts else f'{thing}: {", ".join(parts)}'
-        columns = zip(*(cells(figure) for figure in parts.values()))
-        table.append([what, *(each[0] if len(set(each)) == 1 else ', '.join(filter(None, each))
-                              for each in columns)])
-    used = [any(row[place] for row in table[1:]) for place in range(len(table[0]))]
+    """Return a table without its empty columns, its heading first; missed targets are bold."""
+    table = [['what', 'value', 'target', 'beside'], *map(cells, figures)]
+    used = [any(column[1:]) for column in zip(*table)]
     return [[cell for cell, kept in zip(row, used) if kept] for row in table]
 
 
 def cells(figure: Figure) -> list[str]:
-    """Return value and target of a figure, and what is beside it."""
-    unit = f' {figure.unit}' if figure.unit and f': {figure.unit}' not in figure.what else ''
+    """Return what a figure is, its value and target, and what is beside it."""
+    unit = f' {figure.unit}' if figure.unit else ''
     worst = '' if figure.worst is None else f' (at worst {number(figure.worst)})'
     target = ''
     if figure.target is not None:
         mark = '**' if figure.missed else ''
         target = f'{mark}<= {number(figure.target)}{mark}'
-    return [number(figure.value) + unit + worst, target, figure.beside]
+    return [figure.what, number(figure.value) + unit + worst, target, figure.beside]
 
 
 def number(value: float | None) -> str:
@@ -101,38 +89,21 @@ def number(value: float | None) -> str:
 
 
 def load() -> dict[str, Any]:
-    """Return the saved results, by program; empty if there is no file."""
-    return json.loads(RESULTS.read_text('utf-8')) if RESULTS.exists() else {}
+    """Return the saved results, by program."""
+    return json.loads(RESULTS.read_text('utf-8'))
 
 
 def figures_of(results: dict[str, Any], program: str) -> list[Figure]:
     return [Figure(**each) for each in results[program]['figures']]
 
 
-def keep(program: str, figures: Sequence[Figure], where: dict[str, Any]) -> None:
-    """Save the figures of a program in the file, in place of its older ones."""
-    results = load()
-    results[program] = {'where': where, 'figures': [figure._asdict() for figure in figures]}
-    RESULTS.write_text(written(results), 'utf-8')
-
-
-def written(results: dict[str, Any]) -> str:
-    """Return results as JSON with a line for each figure, so that git shows what has changed."""
-    programs = []
-    for program, each in results.items():
-        where, lines = json.dumps(each['where']), ',\n  '.join(map(json.dumps, each['figures']))
-        programs.append(f'"{program}": {{"where": {where}, "figures": [\n  {lines}]}}')
-    return '{' + ',\n'.join(programs) + '}\n'
-
-
-def run(program: str, measure: Callable[[], list[Figure]]) -> None:
-    """Run a bench program: measure, print the table, save it."""
+def run(program: str, measure: Callable[[], list[Figure]], *, whole: bool = True) -> None:
+    """Run a bench program: measure, print the table; save it if it is a whole one."""
     where = machine()
     print(f'{program}: ' + ', '.join(f'{name} {value}' for name, value in where.items()))
     figures = measure()
-    show_all(figures)
-    keep(program, figures, where)
-
-
-def show_all(figures: Sequence[Figure]) -> None:
     print(columns(rows(figures)))
+    if whole:
+        results = load()
+        results[program] = {'where': where, 'figures': [figure._asdict() for figure in figures]}
+        RESULTS.write_text(json.dumps(results, indent=1) + '\n', 'utf-8')
