@@ -18,7 +18,7 @@ from statistics import median
 from time import monotonic, sleep
 
 from results import Figure, repeated, run
-from scene import DOMAIN, family, resident, scene, shares
+from scene import DOMAIN, family, resident, Scene, shares
 
 OTHER = 'the other driver'
 SETTLE, SLICE, SLICES = 20.0, 10.0, 6
@@ -33,7 +33,7 @@ def measured(heard: str, command: str) -> list[Figure]:
     """Let them run; return the figures with one choice of topics heard."""
     topics, allowed = HEARD[heard]
     with ExitStack() as stack:
-        stages = [stack.enter_context(scene(DOMAIN + n)) for n in range(3 if command else 2)]
+        stages = [stack.enter_context(Scene(DOMAIN + n)) for n in range(3 if command else 2)]
         for stage in stages:
             stage.robot()
         drivers = [stages[0].driver(floor=True), stages[1].driver(), *(

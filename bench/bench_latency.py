@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from create_oi_ros.sim.server.create_sim import say
 from results import Figure, repeated, run
-from scene import drives, Scene, scene
+from scene import drives, Scene
 
 REPETITIONS = 3
 # Seconds to wait until all is quiet, and seconds in which odometry is measured.
@@ -79,7 +79,7 @@ def press(stage: Scene) -> None:
 
 def measured(*, floor: bool = False) -> Latencies:
     """Run the node once, or the floor."""
-    with scene() as stage:
+    with Scene() as stage:
         robot = stage.robot()
         listener = stage.listener('odom', 'bumper')
         stage.driver(floor=floor)

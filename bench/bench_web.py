@@ -8,19 +8,19 @@ A simulated robot, its driver and `create_web`, without a page and with one that
 
 import asyncio
 import json
-import re
-from time import monotonic, sleep
+import socket
+from time import sleep
 
 import aiohttp
 
 from create_oi_ros.ros.programs import PROGRAMS
 from results import Figure, run
-from scene import Process, Scene, scene, shares
+from scene import Process, Scene, shares
 
 WATCH = 10.0
 """Seconds for which the processor time is measured."""
-SETTLE = 3.0
-"""Seconds until all have found each other."""
+SETTLE = 10.0
+"""Seconds until all run and have found each other."""
 MOST = 5.0
 """% of a core with one page."""
 
@@ -39,21 +39,19 @@ async def share_with_a_page(web: Process, port: int) -> float:
         return measured.result()[0]
 
 
-def started(stage: Scene) -> tuple[Process, int]:
-    """Start driver and server; return the server and its port."""
-    stage.python('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={stage.port}',
-                 '-p', 'cmd_vel_timeout:=10.0')
-    web = stage.python('-c', PROGRAMS['create_web'], '--control', str(stage.control))
-    deadline = monotonic() + 30
-    while not (found := re.search(r'open http://\S+:(\d+)/', ''.join(web.errors))):
-        assert monotonic() < deadline, web.errors
-    return web, int(found[1])
+def free_port() -> int:
+    """Return a TCP port that nobody has."""
+    with socket.create_server(('127.0.0.1', 0)) as listener:
+        return listener.getsockname()[1]
 
 
 def measure() -> list[Figure]:
-    with scene() as stage:
+    port = free_port()
+    with Scene() as stage:
         stage.robot()
-        web, port = started(stage)
+        stage.driver()
+        web = stage.python('-c', PROGRAMS['create_web'], '--control', str(stage.control),
+                           '--port', str(port))
         sleep(SETTLE)
         alone, = shares(WATCH, web)
         watched = asyncio.run(share_with_a_page(web, port))

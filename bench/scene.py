@@ -7,7 +7,7 @@ All of a scene run in one ROS domain. Run nothing else in that domain meanwhile.
 """
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, ExitStack
+from contextlib import ExitStack
 import json
 import os
 from pathlib import Path
@@ -39,31 +39,22 @@ FLOOR_LAYOUT = '>xx' + ''.join(
 
 
 class Process:
-    """A child process; its standard output is read line by line."""
+    """A child process; its standard output is read line by line, its errors are shown."""
 
     def __init__(self, *command: str, domain: int) -> None:
         self.process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, text=True, stderr=subprocess.PIPE,
+            command, stdout=subprocess.PIPE, text=True,
             env={**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'})
-        self.errors: list[str] = []
-        self._error_reader = threading.Thread(target=self._read_errors)
-        self._error_reader.start()
-
-    def _read_errors(self) -> None:
-        assert self.process.stderr is not None
-        for line in self.process.stderr:
-            self.errors.append(line)
 
     def line(self) -> str:
-        """Wait for a line of output; RuntimeError has the error output if none comes."""
+        """Wait for a line of output; RuntimeError: none comes."""
         assert self.process.stdout is not None
         timer = threading.Timer(TIMEOUT, self.process.kill)
         timer.start()
         line = self.process.stdout.readline()
         timer.cancel()
         if not line:
-            errors = ''.join(self.errors)
-            raise RuntimeError(f'{self.process.args} ended or hung without output: {errors}')
+            raise RuntimeError(f'{self.process.args} ended or hung without output')
         return line
 
     def result(self) -> Any:
@@ -82,7 +73,6 @@ class Process:
         except (subprocess.TimeoutExpired, ValueError):
             self.process.kill()
         self.process.wait()
-        self._error_reader.join()
 
 
 def family(number: int) -> Iterator[int]:
@@ -104,11 +94,11 @@ def shares(seconds: float, *processes: Process) -> list[float]:
     """
     Wait; return the processor share of each with its descendants meanwhile, % of one core.
 
-    RuntimeError: one of them has ended; its error output says why.
+    RuntimeError: one of them has ended.
     """
     for process in processes:
         if process.process.poll() is not None:
-            raise RuntimeError(f'{process.process.args} has ended: {"".join(process.errors)}')
+            raise RuntimeError(f'{process.process.args} has ended')
     used, begun = list(map(processor_seconds, processes)), monotonic()
     sleep(seconds)
     return [100 * (processor_seconds(process) - before) / (monotonic() - begun)
@@ -129,17 +119,17 @@ def drives(received: Sequence[tuple[float, str]]) -> Iterator[tuple[float, oi.Dr
         yield from ((when, event) for event in reader if isinstance(event, oi.DriveDirect))
 
 
-class Scene:
-    """The processes of one measurement; all of them end with it."""
+class Scene(ExitStack):
+    """The processes of one measurement, and a temporary folder; all end with it."""
 
-    def __init__(self, folder: Path, stack: ExitStack, domain: int) -> None:
-        self.folder = folder
+    def __init__(self, domain: int = DOMAIN) -> None:
+        super().__init__()
+        self.folder = Path(self.enter_context(TemporaryDirectory()))
         self.domain = domain
-        self._stack = stack
 
     def start(self, *command: str) -> Process:
         process = Process(*command, domain=self.domain)
-        self._stack.callback(process.close)
+        self.callback(process.close)
         return process
 
     def python(self, *arguments: str) -> Process:
@@ -174,10 +164,3 @@ class Scene:
         listener = self.program('listener', *topics)
         listener.line()
         return listener
-
-
-@contextmanager
-def scene(domain: int = DOMAIN) -> Iterator[Scene]:
-    """Yield a scene in a temporary folder; end its processes afterwards."""
-    with TemporaryDirectory() as folder, ExitStack() as stack:
-        yield Scene(Path(folder), stack, domain)
