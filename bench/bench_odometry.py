@@ -125,8 +125,7 @@ def drive(name: str, number: int) -> Score:
 
 def figure(name: str, scores: list[Score]) -> Figure:
     """Return a row of the table."""
-    ours, rival = (float(np.sqrt(np.mean(np.square(column)))) for column in (
-        [s.off for s in scores], [s.rival for s in scores]))
+    ours, rival = np.sqrt(np.mean(np.square([(s.off, s.rival) for s in scores]), axis=0)).tolist()
     worse = max((abs(s.off) - abs(s.rival)) / s.turns for s in scores)
     return Figure(
         name, ours, 'deg', ROWS[name].part * rival,
@@ -140,13 +139,10 @@ def of_logs(folder: Path) -> list[Figure]:
     """Follow logs of real wheels under each rounding."""
     made = []
     for rounding in Rounding:
-        strays = [follow_log(rows_of(path), rounding) for path in folder.glob('wheels_*.csv')]
-        ours, rival = (float(np.sqrt(np.mean(np.square(column)))) for column in (
-            [s.end for s in strays], [s.rival for s in strays]))
-        made.append(Figure(
-            f'logs of real wheels, {rounding.value}', ours, 'deg', NO_WORSE * rival,
-            beside=f'a reading a second {rival:.2f}; {max(s.most for s in strays):.1f} deg at '
-                   'any moment at most'))
+        errors = [follow_log(rows_of(path), rounding) for path in folder.glob('wheels_*.csv')]
+        ours, rival = np.sqrt(np.mean(np.square(errors), axis=0)).tolist()
+        made.append(Figure(f'logs of real wheels, {rounding.value}', ours, 'deg',
+                           NO_WORSE * rival, beside=f'a reading a second {rival:.2f}'))
     return made
 
 

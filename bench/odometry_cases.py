@@ -28,16 +28,6 @@ SPEED, WAY, BEGIN = 0.1, 2.5, 2.0
 """m/s, m and seconds of the drive over a damaged line."""
 
 
-class Stray(NamedTuple):
-    """How far an odometry was off a log of wheels, degrees."""
-
-    end: float
-    most: float
-    """At any moment."""
-    rival: float
-    """That of a reading a second, at the end."""
-
-
 def damage(random: Random) -> Callable[[bytes], bytes]:
     """Return what a bad line does to each piece that a robot sends."""
     def damaged(piece: bytes) -> bytes:
@@ -88,13 +78,17 @@ def metres(counts: Sequence[int]) -> list[float]:
     return [C2_TICK * total for total in accumulate(steps, initial=0)]
 
 
-def follow_log(log: Sequence[Row], rounding: Rounding) -> Stray:
-    """Let an odometry follow logged wheels; what the encoders count is the truth."""
+def follow_log(log: Sequence[Row], rounding: Rounding) -> tuple[float, float]:
+    """
+    Let an odometry follow logged wheels, and its rival, which reads once a second.
+
+    Return the error of both headings at the end, degrees; what the encoders count is the truth.
+    """
     odometry = Odometry(window=1.0)
     rival = Rival(Robot(IDEAL, rounding, log[1].time - log[0].time), 1.0)
     distance, angle = Accumulator(rounding), Accumulator(rounding)
     counts = Counts(0.0, 0.0)
-    turned = most = off = 0.0
+    turned = 0.0
     for before, row in pairwise(log):
         right, left = row.right_way - before.right_way, row.left_way - before.left_way
         turn = (right - left) / FIRMWARE_SEPARATION
@@ -105,9 +99,7 @@ def follow_log(log: Sequence[Row], rounding: Rounding) -> Stray:
         counts = Counts(counts.distance + far, counts.angle + degrees(turn))
         rival.frame(counts, last=row is log[-1])
         due = odometry.reading_due
-        estimate = odometry.update(Increment(
+        odometry.update(Increment(
             dt=row.time - before.time, right=row.right, left=row.left,
             distance=distance.take() if due else None, angle=angle.take() if due else None))
-        off = abs(degrees(estimate.yaw - turned))
-        most = max(most, off)
-    return Stray(off, most, abs(degrees(rival.yaw - turned)))
+    return degrees(odometry.estimate.yaw - turned), degrees(rival.yaw - turned)

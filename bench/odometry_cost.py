@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an update of the odometry costs: recorded drives, played again and again."""
 
-from bisect import bisect
 from collections.abc import Sequence
-from itertools import accumulate
 from random import Random
 from statistics import mean
 from time import perf_counter_ns
@@ -20,8 +18,6 @@ SECONDS, LATENCY = 120.0, 0.005
 PLAYED = 3
 """Times that a drive is played. Of each update the shortest time counts, for what interrupts this
 program is no cost of the odometry."""
-KNOWN = 60.0
-"""Seconds after which a robot is known."""
 MEAN, SLOWEST = 60.0, 1500.0
 """Targets, us."""
 
@@ -59,22 +55,17 @@ def played(increments: Sequence[Increment], geometry: Geometry) -> list[float]:
     return costs
 
 
-def cost(style: str) -> tuple[list[float], list[float]]:
-    """Return the cost of each update in a kind of drive, us, before `KNOWN` and after it."""
+def cost(style: str) -> list[float]:
+    """Return the cost of each update in a kind of drive, us."""
     drive = recorded(style)
-    every = [min(times) for times in zip(
+    return [min(times) for times in zip(
         *(played(drive.increments, drive.geometry) for _ in range(PLAYED)))]
-    known = bisect(list(accumulate(each.dt for each in drive.increments)), KNOWN)
-    return every[:known], every[known:]
 
 
 def costs() -> list[Figure]:
     """Return what an update costs in each kind of drive."""
     found = {style: cost(style) for style in DRIVES}
-    made = []
-    for when, parts in zip(('in the first minute', 'later'), zip(*found.values())):
-        every = [each for part in parts for each in part]
-        made += [Figure(f'an update, {when}: mean', mean(every), 'us', MEAN, beside=', '.join(
-                     f'{style} {mean(part):.0f}' for style, part in zip(found, parts))),
-                 Figure(f'an update, {when}: slowest', max(every), 'us', SLOWEST)]
-    return made
+    every = [each for part in found.values() for each in part]
+    return [Figure('an update: mean', mean(every), 'us', MEAN, beside=', '.join(
+                f'{style} {mean(part):.0f}' for style, part in found.items())),
+            Figure('an update: slowest', max(every), 'us', SLOWEST)]
