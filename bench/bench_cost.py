@@ -39,7 +39,7 @@ def measured(heard: str, command: str) -> list[Figure]:
         drivers = [stages[0].driver(floor=True), stages[1].driver(), *(
             stage.start(*shlex.split(command.format(port=stage.port, domain=stage.domain)))
             for stage in stages[2:])]
-        listeners = [stage.listener(*topics) for stage in stages]
+        listeners = [stage.program('listener', *topics) for stage in stages]
         for stage in stages:
             stage.program('circle')
         sleep(SETTLE)

@@ -18,7 +18,7 @@ from time import monotonic, sleep
 from typing import Any, NamedTuple
 
 from create_oi_ros.sim.server.create_sim import say
-from results import Figure, repeated, run
+from results import Figure, percentile, repeated, run
 from scene import drives, Scene
 
 REPETITIONS = 3
@@ -26,13 +26,13 @@ REPETITIONS = 3
 SETTLE, LISTEN = 1.0, 6.0
 COMMANDS, PRESSES = 200, 100
 
-SHARES = {'median': (0.5, 1.2, 0.9, 19.0), '99th percentile': (0.99, 1.5, 1.5, 27.0)}
-"""Percentiles, and at most: times the floor, ms of a command, ms of a bump. A bump waits for the
+PERCENTILES = {'median': (50, 1.2, 0.9, 19.0), '99th percentile': (99, 1.5, 1.5, 27.0)}
+"""Which, and at most: times the floor, ms of a command, ms of a bump. A bump waits for the
 robot's next slot, up to 15 ms, and takes 10 ms on the line."""
 
 
 class Latencies(NamedTuple):
-    """Latencies of one run, seconds, each list sorted."""
+    """Latencies of one run, seconds."""
 
     odom: list[float]
     commands: list[float]
@@ -49,8 +49,8 @@ def frame_latencies(sent: list[float], received: list[float]) -> list[float]:
     """
     latest = [sum(time < when for time in sent) - 1 for when in received]
     shift = Counter(place - index for index, place in enumerate(latest)).most_common(1)[0][0]
-    return sorted(when - sent[index + shift] for index, when in enumerate(received)
-                  if 0 <= index + shift < len(sent))
+    return [when - sent[index + shift] for index, when in enumerate(received)
+            if 0 <= index + shift < len(sent)]
 
 
 def command_latencies(published: list[Any], received: list[Any]) -> list[float]:
@@ -58,15 +58,15 @@ def command_latencies(published: list[Any], received: list[Any]) -> list[float]:
     arrived: dict[int, float] = {}
     for when, command in drives(received):
         arrived.setdefault(command.right, when)
-    return sorted(arrived.get(speed, inf) - when for when, speed in published)
+    return [arrived.get(speed, inf) - when for when, speed in published]
 
 
 def bump_latencies(presses: list[float], received: list[Any]) -> list[float]:
     """Return the latency of each press of the bumper, to the first message that shows it."""
     pressed = [
         when for (when, left), (_, before) in zip(received[1:], received) if left and not before]
-    return sorted(min((when - press for when in pressed if when >= press), default=inf)
-                  for press in presses)
+    return [min((when - press for when in pressed if when >= press), default=inf)
+            for press in presses]
 
 
 def press(stage: Scene) -> None:
@@ -81,17 +81,16 @@ def measured(*, floor: bool = False) -> Latencies:
     """Run the node once, or the floor."""
     with Scene() as stage:
         robot = stage.robot()
-        listener = stage.listener('odom', 'bumper')
-        stage.driver(floor=floor)
-        commander = stage.program('commander', str(COMMANDS))
-        commander.line()
-        published = json.loads(commander.line())
+        listener = stage.program('listener', 'odom', 'bumper')
+        driver = stage.driver(floor=floor)
+        published = json.loads(stage.program('commander', str(COMMANDS)).line())
         sleep(SETTLE)
         begun = monotonic()
         sleep(LISTEN)
         ended = monotonic()
         if not floor:
             press(stage)
+        driver.close()  # before its robot goes
         received = listener.result()
         log = robot.result()
     odoms = [when for when, _ in received['odom']]
@@ -102,17 +101,14 @@ def measured(*, floor: bool = False) -> Latencies:
         bump_latencies(log['presses'], received['bumper']))
 
 
-def at(latencies: list[float], share: float) -> float:
-    """Return a percentile of sorted latencies, ms; 0.5 is the median."""
-    return 1e3 * latencies[min(len(latencies) - 1, int(share * len(latencies)))]
-
-
 def measure() -> list[Figure]:
     floor, node = zip(*((measured(floor=True), measured()) for _ in range(REPETITIONS)))
     made = []
-    for which, (share, most_odom, most_command, most_bump) in SHARES.items():
-        odom, least = ([at(each.odom, share) for each in runs] for runs in (node, floor))
-        commands, direct = ([at(each.commands, share) for each in runs] for runs in (node, floor))
+    for which, (percent, most_odom, most_command, most_bump) in PERCENTILES.items():
+        odom, least = ([1e3 * percentile(each.odom, percent) for each in runs]
+                       for runs in (node, floor))
+        commands, direct = ([1e3 * percentile(each.commands, percent) for each in runs]
+                            for runs in (node, floor))
         made += [
             repeated(f'frame written to odom heard: {which}', [a / b for a, b in zip(odom, least)],
                      'x floor', most_odom,
@@ -120,7 +116,7 @@ def measure() -> list[Figure]:
             repeated(f'cmd_vel published to Drive Direct on the wire: {which}', commands, 'ms',
                      most_command, f'floor {median(direct):.2f} ms'),
             repeated(f'bumper pressed to bumper heard: {which}',
-                     [at(each.bumps, share) for each in node], 'ms', most_bump)]
+                     [1e3 * percentile(each.bumps, percent) for each in node], 'ms', most_bump)]
     return made
 
 

@@ -8,7 +8,6 @@ A simulated robot, its driver and `create_web`, without a page and with one that
 
 import asyncio
 import json
-import socket
 from time import sleep
 
 import aiohttp
@@ -17,6 +16,8 @@ from create_oi_ros.ros.programs import PROGRAMS
 from results import Figure, run
 from scene import Process, Scene, shares
 
+PORT = 8079
+ADDRESS = f'http://127.0.0.1:{PORT}'
 WATCH = 10.0
 """Seconds for which the processor time is measured."""
 SETTLE = 10.0
@@ -25,11 +26,10 @@ MOST = 5.0
 """% of a core with one page."""
 
 
-async def share_with_a_page(web: Process, port: int) -> float:
+async def share_with_a_page(web: Process) -> float:
     """Return the processor share, %, of a server whose only page holds the stick."""
-    address = f'http://127.0.0.1:{port}'
     async with (aiohttp.ClientSession() as session,
-                session.ws_connect(f'{address}/live', origin=address) as connection):
+                session.ws_connect(f'{ADDRESS}/live', origin=ADDRESS) as connection):
         measured = asyncio.create_task(asyncio.to_thread(shares, WATCH, web))
         while not measured.done():
             news = json.loads((await connection.receive()).data)
@@ -39,22 +39,15 @@ async def share_with_a_page(web: Process, port: int) -> float:
         return measured.result()[0]
 
 
-def free_port() -> int:
-    """Return a TCP port that nobody has."""
-    with socket.create_server(('127.0.0.1', 0)) as listener:
-        return listener.getsockname()[1]
-
-
 def measure() -> list[Figure]:
-    port = free_port()
     with Scene() as stage:
         stage.robot()
         stage.driver()
         web = stage.python('-c', PROGRAMS['create_web'], '--control', str(stage.control),
-                           '--port', str(port))
+                           '--port', str(PORT))
         sleep(SETTLE)
         alone, = shares(WATCH, web)
-        watched = asyncio.run(share_with_a_page(web, port))
+        watched = asyncio.run(share_with_a_page(web))
     return [Figure('create_web, no page open: processor', alone, '% of a core'),
             Figure('create_web, one page that drives: processor', watched, '% of a core', MOST)]
 

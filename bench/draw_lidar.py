@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Draw docs/lidar.png: `python bench/draw_lidar.py [PATH]`, what a lap's scans draw."""
+"""Draw docs/lidar.png: `python bench/draw_lidar.py`, what a lap's scans draw."""
 
 import matplotlib
 

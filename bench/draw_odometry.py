@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Draw docs/odometry.png: `python bench/draw_odometry.py [PATH]`, two minutes of mixed driving."""
+"""Draw docs/odometry.png: `python bench/draw_odometry.py`, two minutes of mixed driving."""
 
 from dataclasses import replace
 from random import Random

@@ -14,8 +14,10 @@ import json
 import os
 from pathlib import Path
 import platform
-from statistics import median, quantiles
+from statistics import median
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from create_oi_ros.oi.tools.tables import columns
 
@@ -48,9 +50,9 @@ def repeated(what: str, values: Sequence[float], unit: str, target: float | None
     return Figure(what, median(values), unit, target, worst=max(values), beside=beside)
 
 
-def percentile(values: Sequence[float]) -> float:
-    """Return the 95th percentile."""
-    return quantiles(values, n=20, method='inclusive')[-1] if len(values) > 1 else values[0]
+def percentile(values: Sequence[float], percent: float) -> float:
+    """Return a percentile of values, which may be infinite: one of them."""
+    return float(np.percentile(values, percent, method='higher'))
 
 
 def machine() -> dict[str, Any]:

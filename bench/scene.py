@@ -20,7 +20,6 @@ from time import monotonic, sleep
 from typing import Any
 
 from create_oi_ros import oi
-from create_oi_ros.driver.stream import ESSENTIAL
 from create_oi_ros.ros.programs import PROGRAMS
 
 PROGRAM_FOLDER = Path(__file__).parent / 'programs'
@@ -28,14 +27,6 @@ DOMAIN = int(os.environ.get('ROS_DOMAIN_ID', '83'))
 TIMEOUT = 60.0
 """Seconds to wait for a line of output, and for a process to end."""
 MEGA = 1 << 20
-SPEEDS = ('requested_right_velocity', 'requested_left_velocity')
-FLOOR_LIST = oi.PacketList([*(name for name in ESSENTIAL if name not in SPEEDS), *SPEEDS])
-"""Packets that the floor streams: those that the driver needs in every frame, no more."""
-FLOOR_CALL = b''.join(command.encode() for command in (
-    oi.Start(), oi.Safe(), oi.Stream(packets=FLOOR_LIST.ids)))
-FLOOR_LAYOUT = '>xx' + ''.join(
-    f'x{"h" if name in SPEEDS else "x" * oi.size_of(oi.NUMBERS[name])}'
-    for name in FLOOR_LIST.names) + 'x'
 
 
 class Process:
@@ -124,7 +115,8 @@ class Scene(ExitStack):
 
     def __init__(self, domain: int = DOMAIN) -> None:
         super().__init__()
-        self.folder = Path(self.enter_context(TemporaryDirectory()))
+        folder = Path(self.enter_context(TemporaryDirectory()))
+        self.port, self.control = folder / 'create', folder / 'control'
         self.domain = domain
 
     def start(self, *command: str) -> Process:
@@ -144,23 +136,8 @@ class Scene(ExitStack):
         robot.line()
         return robot
 
-    @property
-    def port(self) -> Path:
-        return self.folder / 'create'
-
-    @property
-    def control(self) -> Path:
-        return self.folder / 'control'
-
     def driver(self, *, floor: bool = False) -> Process:
         """Start the node, or the floor (programs/floor.py)."""
         if floor:
-            return self.program('floor', str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT,
-                                str(oi.DriveDirect.opcode))
+            return self.program('floor', str(self.port))
         return self.python('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={self.port}')
-
-    def listener(self, *topics: str) -> Process:
-        """Start a subscriber to these topics, or to all; it subscribes as they appear."""
-        listener = self.program('listener', *topics)
-        listener.line()
-        return listener

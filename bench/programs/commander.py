@@ -22,7 +22,6 @@ ENTERED = 2.0
 rclpy.init()
 node = rclpy.create_node('commander')
 publisher = node.create_publisher(Twist, 'cmd_vel', 1)
-print('ready', flush=True)
 while not publisher.get_subscription_count():
     sleep(0.05)
 sleep(ENTERED)

@@ -3,9 +3,9 @@
 """
 Subscribes to topics and logs when messages arrive: `listener.py [TOPIC ...]`; without any, to all.
 
-It prints `ready`; then it subscribes to each topic once somebody publishes it. On SIGTERM it
-prints JSON: for each topic a list of pairs. A pair is the time (monotonic clock, seconds) and, for
-`bumper`, whether the left half is pressed, else null.
+It subscribes to each topic once somebody publishes it. On SIGTERM it prints JSON: for each topic a
+list of pairs. A pair is the time (monotonic clock, seconds) and, for `bumper`, whether the left
+half is pressed, else null.
 """
 
 from functools import partial
@@ -16,12 +16,10 @@ from time import monotonic
 from typing import Any
 
 import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from create_oi_ros.ros.process import call_on_signal, spin_until
+from create_oi_ros.ros.process import call_on_signal, ros_executor, spin_until
 
 LOOK_INTERVAL = 0.2
 OTHERS = ('cmd_vel', 'rosout', 'parameter_events')
@@ -55,11 +53,9 @@ def look() -> None:
 # rclpy's own signal handlers sometimes miss the signal when no more messages arrive.
 ended = Future()
 call_on_signal(lambda: ended.set_result(0))
-rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-node = rclpy.create_node('listener')
-node.create_timer(LOOK_INTERVAL, look)
-print('ready', flush=True)
-executor = SingleThreadedExecutor()
-executor.add_node(node)
-spin_until(executor, ended)
+with ros_executor() as executor:
+    node = rclpy.create_node('listener')
+    node.create_timer(LOOK_INTERVAL, look)
+    executor.add_node(node)
+    spin_until(executor, ended)
 print(json.dumps(received))
