@@ -55,8 +55,6 @@ def measured(heard: str, command: str) -> list[Figure]:
     if other:
         made += [compared(f'{heard}: {OTHER}', 'floor', *other, floor, *other_rate),
                  compared(f'{heard}: node', OTHER, node, *other, rate, allowed)]
-    else:
-        made.append(Figure(f'{heard}: node to {OTHER}', None, '', allowed))
     if not topics:
         made += [Figure('memory: node', memory, 'MB', MEMORY),
                  *(Figure('memory: its dead-man', each, 'MB', DEAD_MAN_MEMORY)

@@ -28,8 +28,7 @@ class Figure(NamedTuple):
     """One measured number and its target."""
 
     what: str
-    value: float | None
-    """None: not measured."""
+    value: float
     unit: str
     target: float | None = None
     """The most that is wanted."""
@@ -41,7 +40,7 @@ class Figure(NamedTuple):
     @property
     def missed(self) -> bool:
         """Whether there is a target, and it was missed."""
-        return None not in (self.target, self.value) and self.value > self.target
+        return self.target is not None and self.value > self.target
 
 
 def repeated(what: str, values: Sequence[float], unit: str, target: float | None = None,
@@ -83,10 +82,8 @@ def cells(figure: Figure) -> list[str]:
     return [figure.what, number(figure.value) + unit + worst, target, figure.beside]
 
 
-def number(value: float | None) -> str:
+def number(value: float) -> str:
     """Return a number to three digits, without an exponent where it is large."""
-    if value is None:
-        return 'not measured'
     return f'{value:,.0f}' if value >= 1000 else f'{value:.3g}'
 
 
