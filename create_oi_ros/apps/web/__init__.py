@@ -5,7 +5,6 @@
 
 `create_web` is the program. `web_server` answers browsers, `viewers` holds their connections,
 `web_node` is the ROS node, and follows goals to their end. The rest is pure: `access` (who may see
-the page, and who drives), `page_messages` (what a page may send), `live_robot` (what a page is
-sent). `simulated_truth` asks a simulated robot where it really is. `page/` is what a
-browser loads.
+the page, what it may send, and who drives), `live_robot` (what a page is sent). `simulated_truth`
+asks a simulated robot where it really is. `page/` is what a browser loads.
 """

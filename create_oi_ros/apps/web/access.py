@@ -1,7 +1,9 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Who may open the page, how much a page may send, and who drives. Pure: the time is an argument.
+Who may open the page, what it may send and how much, and who drives. Pure: time is an argument.
+
+A goal or a request is sent as the fields that it has in ROS; what is left out has its default.
 
 One viewer at a time has the driver's seat. A command holds for a moment, and the page sends the
 next one earlier. So the wheels stop soon after a page is closed, a phone sleeps, or the network
@@ -10,10 +12,16 @@ fails.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from ipaddress import ip_address
+import json
+from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from ...robot import TOP_SPEED, WHEEL_SEPARATION
+from ...ros.actions import ACTION_TYPES, malformed
+from ...ros.messages import filled
+from ...ros.services import SERVICE_TYPES
 
 MOST_VIEWERS = 8
 """Pages that are connected at once."""
@@ -25,6 +33,20 @@ OLDEST_VIEW = 0.5
 """Seconds: a page whose picture is older than this may not drive. It includes the way there."""
 TOP_TURN = TOP_SPEED / (WHEEL_SEPARATION / 2)
 """rad/s at which both wheels run at top speed, in opposite directions."""
+CALLS = ('set_mode', 'stop', 'set_leds', 'reset_odometry')
+"""The services that a page can call."""
+MESSAGES: Mapping[str, Mapping[str, tuple[float, float] | list[Any]]] = {
+    'drive': {'linear': (-TOP_SPEED, TOP_SPEED), 'angular': (-TOP_TURN, TOP_TURN),
+              'seen': (0, 1e12)},
+    'release': {},
+    'take_over': {},
+    'leave': {},
+    'cancel': {'what': ['goal', 'tune']},
+    'ping': {},
+    'record': {'on': [True, False]},
+}
+"""Each message of a page's own by its `type`; of each field the limits, or all that is allowed."""
+TYPES = (*MESSAGES, *CALLS, *ACTION_TYPES)
 
 
 def is_loopback(host: str) -> bool:
@@ -67,6 +89,61 @@ class MessageBudget:
 
 class Refused(Exception):
     """A viewer may not do this now; the message says why and what to do."""
+
+
+class PageMessage(NamedTuple):
+    """A message that is as it should be."""
+
+    type: str
+    fields: Mapping[str, Any]
+    request: Any = None
+    """For an action or a service: what is sent to it."""
+
+
+def read(text: str) -> tuple[str, dict[str, Any]]:
+    """Return the type of a message, and all else in it; Refused: what is wrong."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):  # numbers of thousands of digits, lists in lists
+        raise Refused('this is no JSON') from None
+    if not isinstance(found, dict):
+        raise Refused('allowed is a JSON object with a "type"')
+    type_ = found.pop('type', None)
+    if not isinstance(type_, str) or type_ not in TYPES:
+        raise Refused(f'unknown type; allowed: {", ".join(TYPES)}')
+    return type_, found
+
+
+def checked(type_: str, fields: Mapping[str, Any]) -> PageMessage:
+    """Return a message whose fields are as they should be; Refused: what is wrong."""
+    if type_ in MESSAGES:
+        _check(type_, fields)
+        return PageMessage(type_, fields)
+    wanted = SERVICE_TYPES[type_].Request if type_ in CALLS else ACTION_TYPES[type_].Goal
+    try:
+        request = filled(wanted(check_fields=True), fields, type_)
+    except ValueError as error:
+        raise Refused(str(error)) from None
+    if type_ in ACTION_TYPES and (why := malformed(type_, request)):
+        raise Refused(f'{type_}: {why}')
+    return PageMessage(type_, fields, request)
+
+
+def _check(type_: str, found: Mapping[str, Any]) -> None:
+    fields = MESSAGES[type_]
+    if found.keys() != fields.keys():
+        raise Refused(f'{type_}: allowed fields: {", ".join(fields) or "none"}')
+    for name, allowed in fields.items():
+        value = found[name]
+        if isinstance(allowed, tuple):
+            low, high = allowed
+            words = f'{low:g} to {high:g}'
+            fits = type(value) in (int, float) and low <= value <= high
+        else:
+            choices = [json.dumps(each) for each in allowed]
+            fits, words = json.dumps(value) in choices, ' or '.join(choices)
+        if not fits:
+            raise Refused(f'{type_}: {name} is not allowed; allowed: {words}')
 
 
 class DriverSeat:

@@ -17,17 +17,20 @@ from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from ...ros.driver_client import Reply
 from ...ros.topics import CMD_VEL
 from .access import (
+    CALLS,
+    checked,
     DriverSeat,
     LONGEST_MESSAGE,
     MessageBudget,
     MOST_VIEWERS,
     OLDEST_VIEW,
+    PageMessage,
+    read,
     Refused,
     TOP_TURN,
 )
 from .bag_recording import BagRecording
 from .live_robot import Cursor
-from .page_messages import CALLS, checked, PageMessage, read
 from .web_node import NewestGoal, WebNode
 
 HOLD = 0.15

@@ -9,6 +9,7 @@ All pages are told how the newest goal fares, and each can cancel it.
 from __future__ import annotations
 
 from collections.abc import Awaitable
+from math import isfinite
 import time
 from typing import Any
 
@@ -19,8 +20,8 @@ from ...ros.collector import subscribe
 from ...ros.driver_client import DriverClient, Goal, GoalState, Reply
 from ...ros.services import SERVICE_TYPES
 from ...ros.velocity import VelocityOutput
+from .access import CALLS, PageMessage
 from .live_robot import LiveRobot, PARTS
-from .page_messages import CALLS, feedback_part, PageMessage
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 """For `odom`: the page is told twenty times a second."""
@@ -43,6 +44,14 @@ class WebNode(Node):
     async def call(self, name: str, request: Any = None) -> Reply:
         """Call a service of the driver."""
         return await self.driver.call(name, request or SERVICE_TYPES[name].Request())
+
+
+def feedback_part(feedback: Any) -> dict[str, Any]:
+    """Return a feedback as JSON can say it; a number that is none is left out."""
+    found = {name: getattr(feedback, name) for name in feedback.get_fields_and_field_types()}
+    return {name: round(value, 3) if isinstance(value, float) else value
+            for name, value in found.items()
+            if isinstance(value, str) or (isinstance(value, int | float) and isfinite(value))}
 
 
 class NewestGoal:
