@@ -12,6 +12,7 @@ import time
 from typing import Any
 
 from aiohttp import web, WSCloseCode, WSMsgType
+from std_srvs.srv import Trigger
 
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from ...ros.driver_client import Reply
@@ -207,7 +208,7 @@ class Viewers:
                 for each in self._goals.values():
                     each.cancel()
                 self._robot.happened('warn', 'STOP was pressed', time.monotonic())
-                self._pass_on(viewer, message.type, self._node.call('stop'))
+                self._pass_on(viewer, message.type, self._call(message))
             case _:
                 self._seat.sit(number)
                 if viewer.calls >= MOST_CALLS:  # STOP is never kept waiting
@@ -241,7 +242,7 @@ class Viewers:
 
     async def _brake(self) -> None:
         """Send a stop; a zero, which is followed gently, only where it is not done in time."""
-        stop = asyncio.create_task(self._node.call('stop'))
+        stop = asyncio.create_task(self._node.driver.call('stop', Trigger.Request()))
         await asyncio.wait([stop], timeout=STOP_TIMEOUT)
         done = stop.done() and stop.result().ok
         self._stop_if(not done and not self._seat.driving)
@@ -256,16 +257,14 @@ class Viewers:
     # Services and goals.
 
     def _call_of(self, viewer: Viewer, message: PageMessage) -> Awaitable[Reply]:
-        if message.type == 'reset_odometry':
-            return self._reset_odometry()
         if message.type in CALLS:
-            return self._node.call(message.type, message.request)
+            return self._call(message)
         kind = 'tune' if message.type == TUNE else 'goal'
         return self._goals[kind].begin(viewer.number, message)
 
-    async def _reset_odometry(self) -> Reply:
-        reply = await self._node.call('reset_odometry')
-        if reply.ok:
+    async def _call(self, message: PageMessage) -> Reply:
+        reply = await self._node.driver.call(message.type, message.request)
+        if reply.ok and message.type == 'reset_odometry':
             self._robot.forget()
         return reply
 

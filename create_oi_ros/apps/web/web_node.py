@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The ROS node of the page: subscriptions, velocity commands, calls of services, and goals.
+The ROS node of the page: subscriptions, velocity commands, a client of the driver, and goals.
 
 All pages are told how the newest goal fares, and each can cancel it.
 """
@@ -18,7 +18,6 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from ...ros.collector import subscribe
 from ...ros.driver_client import DriverClient, Goal, GoalState, Reply
-from ...ros.services import SERVICE_TYPES
 from ...ros.velocity import VelocityOutput
 from .access import CALLS, PageMessage
 from .live_robot import LiveRobot, PARTS
@@ -28,7 +27,7 @@ NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 class WebNode(Node):
-    """Passes messages to a live robot, publishes velocity commands, calls services."""
+    """Passes messages to a live robot; has what publishes velocities and calls the driver."""
 
     def __init__(self) -> None:
         """Subscribe to the driver's topics and create clients for the services."""
@@ -40,10 +39,6 @@ class WebNode(Node):
         self.driver = DriverClient(self)
         for name in CALLS:  # discovery takes a moment: before they are needed
             self.driver.client(name)
-
-    async def call(self, name: str, request: Any = None) -> Reply:
-        """Call a service of the driver."""
-        return await self.driver.call(name, request or SERVICE_TYPES[name].Request())
 
 
 def feedback_part(feedback: Any) -> dict[str, Any]:
