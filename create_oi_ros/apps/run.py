@@ -9,7 +9,7 @@ only, without `--host`. What follows `--ros-args` is for the node.
 
 import argparse
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, ExitStack, suppress
+from contextlib import contextmanager, ExitStack
 from math import degrees, inf, isnan, nan
 import os
 from pathlib import Path
@@ -19,7 +19,7 @@ import shutil
 import socket
 from subprocess import DEVNULL
 import sys
-import tempfile
+from tempfile import TemporaryDirectory
 import time
 from typing import Any
 
@@ -50,8 +50,6 @@ LOG_FORMAT = 'RCUTILS_CONSOLE_OUTPUT_FORMAT'
 USUAL_FORMAT = '[{severity}] [{time}] [{name}]: {message}'
 DOMAINS = range(215, 233)
 """Few people choose these; their UDP ports lie above those that Linux gives to other programs."""
-FOLDER = re.compile(r'create-(\d+)-\w+')
-"""Name of a run's folder, with its process id."""
 
 
 class RobotStatus:
@@ -161,12 +159,6 @@ def status_line() -> Iterator[None]:
         print(flush=True)
 
 
-def width() -> int:
-    """Return how many columns there are for the line."""
-    columns = os.get_terminal_size(sys.stdout.fileno()).columns if on_terminal() else 0
-    return columns - 1 if columns else WIDTH
-
-
 def show(line: str) -> None:
     """Show the line: in place on a terminal, as a line of its own elsewhere."""
     if on_terminal():
@@ -205,7 +197,8 @@ def _watch(children: Children, ended: Future, names: list[str], driver: str) -> 
     def look() -> None:
         why = children.ended()
         if why is None:
-            show(status.line(time.monotonic(), width()))
+            columns = shutil.get_terminal_size((WIDTH + 1, 0)).columns
+            show(status.line(time.monotonic(), columns - 1))
         else:
             print(f'create_run: {why}; see above for why', file=sys.stderr)
             ended.set_result(1)
@@ -251,19 +244,6 @@ def run_domain() -> Iterator[str]:
     raise UserError(
         f'the ROS domains {DOMAINS[0]} to {DOMAINS[-1]}, which simulated runs take, are all in '
         'use: end a run, or choose a domain yourself with ROS_DOMAIN_ID')
-
-
-@contextmanager
-def run_folder() -> Iterator[Path]:
-    """Yield a new temporary folder, and remove it at the end; remove those of dead processes."""
-    for abandoned in Path(tempfile.gettempdir()).glob('create-*'):
-        found = FOLDER.fullmatch(abandoned.name)
-        with suppress(FileNotFoundError):  # another run has just removed it
-            if (found and not Path('/proc', found[1]).exists()
-                    and abandoned.lstat().st_uid == os.getuid()):
-                shutil.rmtree(abandoned, ignore_errors=True)
-    with tempfile.TemporaryDirectory(prefix=f'create-{os.getpid()}-') as folder:
-        yield Path(folder)
 
 
 def world(text: str) -> str:
@@ -363,8 +343,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     children, ended = Children(), Future()
     call_on_signal(lambda: ended.set_result(0))
     with ExitStack() as stack:
-        port = options.port or f'{stack.enter_context(run_folder())}/create'
-        if options.port is None:
+        port = options.port
+        if port is None:
+            port = f'{stack.enter_context(TemporaryDirectory(prefix="create-"))}/create'
             stack.enter_context(run_domain())
         refuse_second(int(os.environ.get('ROS_DOMAIN_ID') or 0), f'{namespace}/create')
         print(introduction(port, options.port is None, namespace), flush=True)

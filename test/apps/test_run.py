@@ -139,19 +139,14 @@ def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
     assert words in capsys.readouterr().err
 
 
-def test_children_end_with_a_killed_run_and_the_next_one_on_a_terminal_removes_what_is_left(
-        stage):
+def test_children_end_with_a_killed_run_and_the_next_one_shows_its_status_in_place(stage):
     run = stage.program('create_run', '--world', 'empty')
     stage.ros.until(lambda: 'robot answers' in run.output)
-    folder = Path(re.search(r'Create on (/\S+)/create,', run.output)[1])
     children = children_of(run.pid)
     run.send(signal.SIGKILL)
     assert run.ended() == -signal.SIGKILL
     stage.ros.until(lambda: not any(Path(f'/proc/{child}').exists() for child in children))
-    assert folder.exists() and folder.name.startswith(f'create-{run.pid}-')
     run = stage.program('create_run', '--world', 'empty', terminal=True)
-    stage.ros.until(lambda: 'Ctrl-C stops' in run.output)
-    assert not folder.exists()
 
     def last() -> str:  # a terminal shows one line that changes in place
         return run.output.rpartition('\n')[2]  # the log may still have had a line before

@@ -1,12 +1,11 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Start and end of a program, also where ROS hangs; its domain, its folder, its waiting."""
+"""Start and end of a program, also where ROS hangs; its domain, its waiting."""
 
 import os
 import signal
 import subprocess
 import sys
-import tempfile
 from types import SimpleNamespace
 
 from create_oi_msgs.msg import Mode
@@ -15,7 +14,7 @@ from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.apps.run import run_domain, run_folder
+from create_oi_ros.apps.run import run_domain
 from create_oi_ros.ros import waiting
 from create_oi_ros.ros.waiting import (
     announce,
@@ -135,28 +134,6 @@ def test_a_domain_that_is_set_is_kept(no_domain):
     with run_domain() as domain:
         assert domain == '7'
         assert 'ROS_AUTOMATIC_DISCOVERY_RANGE' not in os.environ
-
-
-def dead_process() -> int:
-    """Return the id of a process that has ended."""
-    done = subprocess.Popen([sys.executable, '-c', ''])
-    done.wait()
-    return done.pid
-
-
-def test_folders_of_dead_processes_are_removed_and_no_others(tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path))
-    dead = tmp_path / f'create-{dead_process()}-abc_123'
-    kept = [tmp_path / name for name in (
-        f'create-{os.getppid()}-abc', 'create-me-now', 'create-12', 'create-oi', 'create')]
-    for folder in (dead, *kept):
-        folder.mkdir()
-    (dead / 'create').symlink_to('/dev/pts/99')
-    with run_folder() as own:
-        assert own.name.startswith(f'create-{os.getpid()}-')
-        assert not dead.exists()
-        assert all(folder.exists() for folder in kept)
-    assert not own.exists()
 
 
 # A program that waits says for what, in which ROS domain, and where a driver runs.
