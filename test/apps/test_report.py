@@ -192,7 +192,7 @@ EVIL = '</script><img id=evil src=x onerror=alert(1)>$style'
 
 def recorded(points: int = 1000) -> Recording:
     """Return a recording of a drive with a frame every 15 ms."""
-    made = Recording('walk', 'MCAP', 0.0, points * 0.015, points)
+    made = Recording('walk', 0.0, points * 0.015, points)
     for tick in range(points):
         time = tick * 0.015
         made.odom.add(time, 0.2 * time, sin(time), 0.1 * time, 0.2 + 0.001 * (tick % 7), nan)

@@ -75,7 +75,7 @@ LAST = 'document.getElementById("slider").max'
 
 def blank() -> Recording:
     """Return a recording of 20 s without messages."""
-    return Recording('walk', 'MCAP', 0.0, 20.0, 80)
+    return Recording('walk', 0.0, 20.0, 80)
 
 
 def pictures(page: OpenPage, selector: str) -> list[str]:

@@ -11,7 +11,7 @@ twice: first to learn topics, times and order, then for the messages.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from contextlib import closing, contextmanager
 from heapq import heappop, heappush
 from pathlib import Path
@@ -81,8 +81,8 @@ class BagFiles:
         """Look through all files; what has to be unpacked or repaired goes into a folder."""
         self.faults: list[str] = []
         """What is not whole, each in words."""
-        self.storage = ''
-        self._sources = [self._source(file, folder) for file in self._files(path)]
+        self._folder = folder
+        self._sources = [self._readable(file) for file in self._files(path)]
         self.counts: Counter[Topic] = Counter()
         """Messages of each topic."""
         self.start, self.end, self._late = sys.maxsize, 0, 0
@@ -137,71 +137,56 @@ class BagFiles:
         return sorted(set(found) - packed, key=lambda each: [
             int(part) if part.isdigit() else part for part in re.split(r'(\d+)', each.name)])
 
-    def _source(self, file: Path, folder: Path) -> Callable[[], Iterator[Message]]:
-        """Return a function that reads a file."""
-        try:
-            with reading(), file.open('rb') as stream:
-                first = stream.read(len(SQLITE))
-        except DamageError as error:
-            self.faults.append(f'{file.name}: {error}')
-            return lambda: iter(())
-        if first.startswith(ZSTD):
-            return self._source(self._unpacked(file, folder), folder)
-        if first.startswith(MCAP):
-            self.storage = 'MCAP'
-            return lambda: self._mcap(file)
-        if first.startswith(SQLITE):
-            self.storage = 'SQLite'
-            return self._sqlite(file, folder)
-        self.faults.append(f'{file.name} begins neither as an MCAP nor as an SQLite file'
-                           if first else UNFINISHED)
-        return lambda: iter(())
-
-    def _unpacked(self, file: Path, folder: Path) -> Path:
-        target = folder / file.stem
-        try:
-            with zstandard.open(file) as packed, target.open('wb') as copy, reading():
-                shutil.copyfileobj(packed, copy)
-        except DamageError as error:
-            self.faults.append(f'{file.name}: {error}')
-        return target
-
-    def _sqlite(self, file: Path, folder: Path) -> Callable[[], Iterator[Message]]:
-        """Read what its recorder left in a log beside the database too, from a copy of both."""
+    def _readable(self, file: Path) -> Path:
+        """Return a file without compression, or a copy with what its recorder left in a log."""
+        if file.suffix == '.zstd':
+            target = self._folder / file.stem
+            try:
+                with zstandard.open(file) as packed, target.open('wb') as copy, reading():
+                    shutil.copyfileobj(packed, copy)
+            except DamageError as error:
+                self._note(f'{file.name}: {error}')
+            return target
         logs = [each for each in (file.with_name(f'{file.name}-{kind}') for kind in (
             'wal', 'journal')) if each.exists() and each.stat().st_size]
         if not logs:
-            return lambda: _sqlite_messages(f'{file.resolve().as_uri()}?immutable=1')
-        self.faults.append(UNFINISHED)
+            return file
+        self._note(UNFINISHED)
         for each in (file, *logs):
-            shutil.copyfile(each, folder / each.name)
-        return lambda: _sqlite_messages((folder / file.name).as_uri())
+            shutil.copyfile(each, self._folder / each.name)
+        return self._folder / file.name
 
     def _stored(self) -> Iterator[Message]:
         """Yield all messages, as they lie in the files."""
         for source in self._sources:
             try:
-                with reading():
-                    yield from source()
+                with reading(), source.open('rb') as stream:
+                    first = stream.read(len(SQLITE))
+                    if first.startswith(MCAP):
+                        yield from self._mcap(stream, source.stat().st_size)
+                    elif first.startswith(SQLITE):
+                        yield from self._sqlite(source)
+                    else:
+                        raise DamageError('it begins neither as an MCAP nor as an SQLite file'
+                                          if first else UNFINISHED)
             except DamageError as error:
-                self._note(str(error))
+                self._note(UNFINISHED if str(error) == UNFINISHED else f'{source.name}: {error}')
 
     def _note(self, fault: str) -> None:
         if fault not in self.faults:
             self.faults.append(fault)
 
-    def _mcap(self, file: Path) -> Iterator[Message]:
+    def _mcap(self, stream: BinaryIO, size: int) -> Iterator[Message]:
         schemas = {0: ('', '', '')}
         topics: dict[int, Topic] = {}
-        with file.open('rb') as stream:
-            for record in self._records(stream, file.stat().st_size):
-                match record:
-                    case McapMessage() if record.channel_id in topics:  # else that was damaged
-                        yield topics[record.channel_id], record.log_time, record.data
-                    case Schema():
-                        schemas[record.id] = record.name, record.encoding, record.data.decode()
-                    case Channel():
-                        topics[record.id] = Topic(record.topic, *schemas[record.schema_id])
+        for record in self._records(stream, size):
+            match record:
+                case McapMessage() if record.channel_id in topics:  # else that was damaged
+                    yield topics[record.channel_id], record.log_time, record.data
+                case Schema():
+                    schemas[record.id] = record.name, record.encoding, record.data.decode()
+                case Channel():
+                    topics[record.id] = Topic(record.topic, *schemas[record.schema_id])
 
     def _records(self, stream: BinaryIO, size: int) -> Iterator[McapRecord]:
         """Yield the records of an MCAP file up to its last chunk, but for damaged chunks."""
@@ -221,17 +206,19 @@ class BagFiles:
                     raise DamageError(UNFINISHED) from error
                 self._note(f'a chunk is damaged: {error}')  # the next record follows it
 
-
-def _sqlite_messages(address: str) -> Iterator[Message]:
-    with closing(sqlite3.connect(address, uri=True)) as database:
-        defined = database.execute(
-            "SELECT name FROM sqlite_master WHERE name = 'message_definitions'").fetchone()
-        definitions = {name: text for name, *text in database.execute(
-            'SELECT topic_type, encoding, encoded_message_definition FROM message_definitions',
-        )} if defined else {}
-        topics = {number: Topic(name, kind, *definitions.get(kind, ()))
-                  for number, name, kind in database.execute('SELECT id, name, type FROM topics')}
-        for number, time, raw in database.execute(
-                'SELECT topic_id, timestamp, data FROM messages'):
-            if number in topics:
-                yield topics[number], time, raw
+    def _sqlite(self, file: Path) -> Iterator[Message]:
+        # Of a file of the user's nothing is changed, and no log is looked for.
+        fixed = '' if file.parent == self._folder else '?immutable=1'
+        with closing(sqlite3.connect(f'{file.resolve().as_uri()}{fixed}', uri=True)) as database:
+            defined = database.execute(
+                "SELECT name FROM sqlite_master WHERE name = 'message_definitions'").fetchone()
+            definitions = {name: text for name, *text in database.execute(
+                'SELECT topic_type, encoding, encoded_message_definition FROM message_definitions',
+            )} if defined else {}
+            topics = {}
+            for number, name, kind in database.execute('SELECT id, name, type FROM topics'):
+                topics[number] = Topic(name, kind, *definitions.get(kind, ()))
+            for number, time, raw in database.execute(
+                    'SELECT topic_id, timestamp, data FROM messages'):
+                if number in topics:
+                    yield topics[number], time, raw

@@ -66,7 +66,6 @@ class Recording:
     """Everything that the report shows of a bag; times are seconds from its first message."""
 
     name: str
-    storage: str
     began: float
     """Seconds since the epoch."""
     seconds: float
@@ -160,8 +159,8 @@ def read(path: Path, robot: str | None = None,
         files = BagFiles(path, Path(folder))
         topics, robot = _wanted(files, path, robot)
         recording = Recording(
-            path.resolve().name, files.storage, files.start / 1e9,
-            (files.end - files.start) / 1e9, files.counts.total(), robot,
+            path.resolve().name, files.start / 1e9, (files.end - files.start) / 1e9,
+            files.counts.total(), robot,
             undefined=sorted(topic.name for topic in files.counts if topic.encoding == 'unknown'),
             events=Collector(robot))
         recording.heard = set(map(base_name, topics))

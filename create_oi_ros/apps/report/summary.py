@@ -65,7 +65,7 @@ def summary(recording: Recording) -> list[str]:
     day = datetime.fromtimestamp(recording.began, UTC).strftime('%Y-%m-%d %H:%M:%S UTC')
     robot = f' of {recording.robot}' if recording.robot else ''
     lines = [f'Recorded{robot} on {day}; {clock(recording.seconds)} (minutes:seconds), '
-             f'{recording.messages} messages ({recording.storage}).']
+             f'{recording.messages} messages.']
     if recording.odom:
         fastest = max((abs(speed) for speed in recording.odom['speed'] if isfinite(speed)),
                       default=0.0)
