@@ -120,8 +120,6 @@ PAUSE = 0.6
 """Seconds without a command after which its line ends."""
 FEWEST = 500
 """Points of a curve that stay, whatever the size."""
-LEVEL = 9
-"""Of the compression."""
 TIME = 0.001
 """Step of the times, seconds."""
 POSE = ('x', 'y', 'yaw')
@@ -171,7 +169,7 @@ def packed(recording: Recording) -> str:
     most = max(len(getattr(recording, name)) for name in CURVES) + 1
     while True:
         text = json.dumps(page_data(recording, most), allow_nan=False, separators=(',', ':'))
-        found = b64encode(zlib.compress(text.encode(), LEVEL)).decode('ascii')
+        found = b64encode(zlib.compress(text.encode(), zlib.Z_BEST_COMPRESSION)).decode('ascii')
         if len(found) <= LARGEST or most <= FEWEST:
             return found
         most = max(FEWEST, int(most * LARGEST / len(found) * 0.95))
@@ -208,10 +206,9 @@ WIDTH = 30
 def bar(label: str) -> Callable[[float], None]:
     """Return a function that draws a progress bar on stderr, if that is a terminal."""
     def show(part: float) -> None:
-        done = round(WIDTH * min(1.0, max(0.0, part)))
-        end = '\n' if part >= 1 else ''
-        print(f'\r{label} [{"#" * done}{"." * (WIDTH - done)}] {min(1.0, part):4.0%}',
-              end=end, file=sys.stderr, flush=True)
+        done = round(WIDTH * part)
+        print(f'\r{label} [{"#" * done}{"." * (WIDTH - done)}] {part:4.0%}',
+              end='\n' if part >= 1 else '', file=sys.stderr, flush=True)
     return show if sys.stderr.isatty() else lambda part: None
 
 

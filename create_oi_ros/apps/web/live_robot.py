@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from create_oi_msgs import msg
 
-from ...ros.collector import Collector, flags, FlatPose, level_of, REPEATED, values_of
+from ...ros.collector import Collector, flags, FlatPose, level_of, NAMES, REPEATED, values_of
 from ...ros.messages import charging_name, mode_name
 
 Json = Any
@@ -29,8 +29,6 @@ PARTS: Mapping[str, str] = {
 """Topics that `LiveRobot.update` takes, and the parts that are made from them."""
 ON_THE_MAP = ('bumper', 'cliff', 'wheel drop')
 """Kinds of events that are shown where they happened."""
-COME_AGAIN = ('pose', 'battery', 'wall', 'bump', 'cliff', 'drop', 'diagnostics')
-"""Parts whose messages come again without a change."""
 SILENT = 1.5
 """Seconds without odometry after which the driver counts as silent."""
 OLD, OLDEST = 3.5, 30.0
@@ -223,7 +221,7 @@ class LiveRobot:
         newest = collector.newest.get(name)
         if newest is None or newest is before:
             return  # the diagnostics of another node
-        if part in COME_AGAIN:
+        if not NAMES[name].latched:  # it comes again without a change
             last, _ = self._seen.get(part, (now, now))
             self._seen[part] = now, now + min(OLDEST, max(OLD, 3 * (now - last)))
         if name == 'odom':
