@@ -16,7 +16,6 @@ import pytest
 from create_oi_ros.apps.web.access import BURST, DriverSeat, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import listen, main
 from create_oi_ros.apps.web.live_robot import BatteryTime, MOST_POINTS, TrackLog
-from create_oi_ros.apps.web.viewers import MOST_CALLS
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros.collector import FlatPose
 from create_oi_ros.ros.programs import UserError
@@ -234,13 +233,6 @@ def test_a_page_that_sends_too_long_or_too_many_messages_is_disconnected(shared,
             page.send('release')
         page.until(lambda: False)
     assert page.close_code in (None, aiohttp.WSCloseCode.POLICY_VIOLATION)
-
-
-def test_of_many_calls_that_arrive_together_only_some_are_made(shared, pages):
-    page = ready(pages(shared.address))
-    page.send_at_once(*['{"type": "set_mode", "mode": 2}'] * (3 * MOST_CALLS))
-    replies = [page.reply()['text'] for _ in range(3 * MOST_CALLS)]
-    assert replies.count('wait for the replies to what you asked before') >= MOST_CALLS
 
 
 def test_one_page_too_many_is_told_so(shared, pages):

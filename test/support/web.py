@@ -82,12 +82,6 @@ class PageClient:
         """Send any text."""
         self._run(self._socket.send_str(text))
 
-    def send_at_once(self, *texts: str) -> None:
-        """Send several texts, which arrive together."""
-        async def all_of_them() -> None:
-            await asyncio.gather(*map(self._socket.send_str, texts))
-        self._run(all_of_them())
-
     def send_bytes(self, data: bytes) -> None:
         """Send a binary message."""
         self._run(self._socket.send_bytes(data))

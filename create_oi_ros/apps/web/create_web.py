@@ -150,8 +150,7 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
              asyncio.create_task(ended.wait())]
     if options.control is not None:
         tasks.append(asyncio.create_task(
-            show_truth(options.control, robot, lambda: len(viewers) > 0,
-                       node.get_logger().warning)))
+            show_truth(options.control, robot, node.get_logger().warning)))
     done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     await viewers.close()
     await runner.cleanup()

@@ -201,7 +201,7 @@ class LiveRobot:
         """How often the odometry has begun anew."""
         self._seen: dict[str, tuple[float, float]] = {}
         """When a part that comes again came last, and until when it is not old."""
-        self._heard_at, self._sampled_at = -inf, -inf
+        self._sampled_at = -inf
 
     def happened(self, level: str, text: str, now: float) -> None:
         """Add an entry to what happened."""
@@ -225,7 +225,6 @@ class LiveRobot:
             last, _ = self._seen.get(part, (now, now))
             self._seen[part] = now, now + min(OLDEST, max(OLD, 3 * (now - last)))
         if name == 'odom':
-            self._heard_at = now
             if collector.pose is None or collector.pose is pose:
                 return  # it is no place
             self.track.add(collector.pose)
@@ -259,7 +258,7 @@ class LiveRobot:
     def sample(self, now: float) -> None:
         """Add a sample to the charts when it is due; say what is old, and who is silent."""
         self.parts.put('old', [part for part, (_, until) in self._seen.items() if now > until])
-        silent = now - self._heard_at > SILENT
+        silent = now - self._seen.get('pose', (-inf, -inf))[0] > SILENT
         if self.parts.put('silent', silent) and self._seen:
             self.happened('error' if silent else '', 'the driver sends nothing' if silent
                           else 'the driver sends', now)

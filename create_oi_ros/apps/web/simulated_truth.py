@@ -32,8 +32,7 @@ def room_origin(odometry: FlatPose, true: FlatPose) -> FlatPose:
                     odometry.y - true.x * sin(yaw) - true.y * cos(yaw), yaw)
 
 
-async def show_truth(path: Path, robot: LiveRobot, asked: Callable[[], bool],
-                     say: Callable[[str], object]) -> None:
+async def show_truth(path: Path, robot: LiveRobot, say: Callable[[str], object]) -> None:
     """
     Put the room and the true pose into what the pages show, until cancelled.
 
@@ -46,7 +45,7 @@ async def show_truth(path: Path, robot: LiveRobot, asked: Callable[[], bool],
         try:
             reader, writer = await asyncio.open_unix_connection(path, limit=LONGEST_ANSWER)
             with closing(writer):
-                await _ask_on(reader, writer, robot, asked)
+                await _ask_on(reader, writer, robot)
         except (OSError, ValueError, KeyError) as error:  # it has gone, or is something else
             robot.parts.put('true_pose', None)
             failures += 1
@@ -57,9 +56,9 @@ async def show_truth(path: Path, robot: LiveRobot, asked: Callable[[], bool],
         await asyncio.sleep(RETRY)
 
 
-async def _ask_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, robot: LiveRobot,
-                  asked: Callable[[], bool]) -> None:
-    """Ask while anybody looks; ConnectionError: nobody answers, ValueError: no JSON."""
+async def _ask_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter,
+                  robot: LiveRobot) -> None:
+    """Ask again and again; ConnectionError: nobody answers, ValueError: no JSON."""
     async def ask(word: str) -> Any:
         writer.write(f'{word}\n'.encode())
         answer = await reader.readline()
@@ -70,7 +69,7 @@ async def _ask_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, ro
     resets = -1
     while True:
         await asyncio.sleep(PERIOD)
-        if not asked() or robot.collector.pose is None:
+        if robot.collector.pose is None:
             continue
         truth = await ask('truth')
         true = FlatPose(truth['x'], truth['y'], truth['yaw'])

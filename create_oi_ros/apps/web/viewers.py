@@ -43,8 +43,6 @@ HEARTBEAT = 5.0
 MOST_REPLIES = 50
 """Replies that wait to be sent to one page; older ones are dropped."""
 TUNE = 'audio_note_sequence'
-MOST_CALLS = 4
-"""Calls of one page that have no reply yet."""
 
 
 def device_of(agent: str) -> str:
@@ -67,8 +65,6 @@ class Viewer:
         self.replies: deque[str] = deque(maxlen=MOST_REPLIES)
         self.news = asyncio.Event()
         """Set when there may be something to send."""
-        self.calls = 0
-        """Service calls that have no reply yet."""
 
     def reply(self, to: str, ok: bool, text: str) -> None:
         """Queue a reply to a message of this page."""
@@ -211,8 +207,6 @@ class Viewers:
                 self._pass_on(viewer, message.type, self._call(message))
             case _:
                 self._seat.sit(number)
-                if viewer.calls >= MOST_CALLS:  # STOP is never kept waiting
-                    raise Refused('wait for the replies to what you asked before')
                 self._pass_on(viewer, message.type, self._call_of(viewer, message))
         self._check_goals()
         self._show_seat()
@@ -271,12 +265,8 @@ class Viewers:
     def _pass_on(self, viewer: Viewer, to: str, reply: Awaitable[Reply]) -> None:
         """Wait for a reply in the background, and pass it on."""
         async def answer() -> None:
-            try:
-                ok, text, _ = await reply
-            finally:
-                viewer.calls -= 1
+            ok, text, _ = await reply
             viewer.reply(to, ok, text)
-        viewer.calls += 1  # now: a page may send several before `answer` begins
         self._keep(answer())
 
     def _keep(self, work: Coroutine[Any, Any, object]) -> None:
