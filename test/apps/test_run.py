@@ -70,6 +70,7 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     assert not any(Path(f'/proc/{child}').exists() for child in children)
     *_, last = records_of([path.read_bytes()], CaptureReader())
     assert last.kind is RecordKind.END
+    assert not Path(re.search(r'Create on (/\S+)/create,', run.output)[1]).exists()
 
 
 def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_in_its_namespace(stage):

@@ -82,8 +82,6 @@ class Recording:
     """Topics with messages in the bag, without the robot's namespace."""
     faults: list[str] = field(default_factory=list)
     """What of the bag is not whole, in words."""
-    undefined: list[str] = field(default_factory=list)
-    """Topics whose types the bag does not define."""
     _last_message: float | None = field(default=None, init=False)
     _last_odom: float | None = field(default=None, init=False)
 
@@ -160,9 +158,7 @@ def read(path: Path, robot: str | None = None,
         topics, robot = _wanted(files, path, robot)
         recording = Recording(
             path.resolve().name, files.start / 1e9, (files.end - files.start) / 1e9,
-            files.counts.total(), robot,
-            undefined=sorted(topic.name for topic in files.counts if topic.encoding == 'unknown'),
-            events=Collector(robot))
+            files.counts.total(), robot, events=Collector(robot))
         recording.heard = set(map(base_name, topics))
         try:
             _read_messages(files, topics, recording, progress)

@@ -76,9 +76,6 @@ def summary(recording: Recording) -> list[str]:
     if version:
         port = recording.events.settings.get('port', 'unknown')
         lines.append(f'Driver version {version}, port {port}.')
-    if recording.undefined:
-        lines.append('Topics that the bag does not define, so nothing can read them: '
-                     f'{", ".join(recording.undefined)}.')
     lines.append(recording.damage)
     return [line for line in lines if line]
 
