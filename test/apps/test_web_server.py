@@ -1,8 +1,8 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What `create_web` does with clients that want no page: bad HTTP, guesses of the token."""
+"""What `create_web` does with bad HTTP, and with files of tokens and certificates."""
 
-from contextlib import closing, ExitStack
+from contextlib import closing
 import http.client
 import os
 import signal
@@ -13,7 +13,6 @@ import subprocess
 import pytest
 
 from create_oi_ros.apps.web.create_web import encryption, kept_token
-from create_oi_ros.apps.web.web_server import MOST_WRONG
 from create_oi_ros.ros.programs import UserError
 from support.ros import scene
 from support.web import free_port, served
@@ -74,32 +73,6 @@ def test_bad_http_is_refused_and_others_are_served(server, bad):
         assert b' 200 ' not in ended(connection)
     assert ask(address, '/').status == 401
     assert 'Traceback' not in web.output
-
-
-def test_tokens_that_fail_are_answered_one_after_the_other_and_not_too_many(server):
-    port, asked = port_of(server[1]), []
-    with ExitStack() as opened:
-        for number in range(MOST_WRONG + 2):
-            each = opened.enter_context(closing(socket.create_connection(('127.0.0.1', port))))
-            each.sendall(f'GET /?token={number} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n'
-                         .encode())
-            asked.append(each)
-        for each in asked[MOST_WRONG:]:
-            assert b' 429 ' in ended(each)
-        assert b'/#wrong' in ended(asked[0])
-        # Answers at once would all have come with the first one.
-        assert any(peeked(each) is None for each in asked[1:MOST_WRONG])
-
-
-def peeked(connection: socket.socket) -> bytes | None:
-    """Return what has come; None: nothing yet, and the connection is open."""
-    connection.setblocking(False)
-    try:
-        return connection.recv(1, socket.MSG_PEEK)
-    except BlockingIOError:
-        return None
-    finally:
-        connection.setblocking(True)
 
 
 def test_a_token_in_a_file_lasts_and_no_log_has_it(stage, server):

@@ -39,10 +39,6 @@ MOST_BODY = 1024
 """Bytes of a request's body; no request here needs one."""
 IDLE_TIME = 15.0
 """Seconds after which an idle connection is closed."""
-WRONG_TOKEN = 0.5
-"""Seconds that an answer to a wrong token takes; one after the other, whoever asks."""
-MOST_WRONG = 8
-"""Wrong tokens that wait for their answers; more are refused at once."""
 ASK, PAGE = 'token.html', 'index.html'
 OPEN = ('token.html', 'base.css', 'style.css', 'icon.svg', 'icon.png', 'page.webmanifest')
 """Files that the question for the token needs, or a home screen."""
@@ -75,7 +71,6 @@ class WebServer:
         self._recording = recording
         self._cookie = f'create_web_{port}'
         self._files = files()
-        self._wrong, self._waiting = asyncio.Lock(), 0
 
     async def serve(self, listener: socket.socket, tls: ssl.SSLContext | None) -> web.AppRunner:
         """Answer who connects to a socket; return what ends that."""
@@ -88,25 +83,14 @@ class WebServer:
         await web.SockSite(runner, listener, ssl_context=tls).start()
         return runner
 
-    async def _admits(self, token: str) -> bool:
-        """Return whether a token is right; a wrong one takes time, however far it was right."""
+    def _admits(self, token: str) -> bool:
+        """Return whether a token is right; it is too long to be guessed, however often."""
         # A header may hold bytes that are no UTF-8.
         raw = token.encode('utf-8', 'surrogateescape')
-        if self._token is None or hmac.compare_digest(raw, self._token.encode()):
-            return True
-        if token:
-            if self._waiting >= MOST_WRONG:
-                raise web.HTTPTooManyRequests(text='too many wrong tokens: try again later\n')
-            self._waiting += 1
-            try:
-                async with self._wrong:
-                    await asyncio.sleep(WRONG_TOKEN)
-            finally:
-                self._waiting -= 1
-        return False
+        return self._token is None or hmac.compare_digest(raw, self._token.encode())
 
-    async def _known(self, request: web.Request) -> bool:
-        return await self._admits(request.cookies.get(self._cookie, ''))
+    def _known(self, request: web.Request) -> bool:
+        return self._admits(request.cookies.get(self._cookie, ''))
 
     @web.middleware
     async def _guard(
@@ -129,30 +113,30 @@ class WebServer:
         """Send the page; with the right token in the address, keep it in a cookie first."""
         given = request.query.get('token')
         if given is not None and self._token is not None:
-            if not await self._admits(given):
+            if not self._admits(given):
                 raise web.HTTPSeeOther('/#wrong')  # so that it leaves the address bar
             to_page = web.HTTPSeeOther('/')
             to_page.set_cookie(self._cookie, given, max_age=COOKIE_AGE, httponly=True,
                                samesite='Lax', secure=self._secure)
             raise to_page
-        if not await self._known(request):
+        if not self._known(request):
             return self._send(ASK, status=401)
         return self._send(PAGE)
 
     async def _file(self, request: web.Request) -> web.StreamResponse:
         name = request.match_info['name']
-        if name == REPORT and self._recording.report and await self._known(request):
+        if name == REPORT and self._recording.report and self._known(request):
             body = await asyncio.to_thread(self._recording.report.read_bytes)
             return web.Response(body=body, content_type='text/html', charset='utf-8',
                                 headers={'Content-Security-Policy': REPORT_POLICY})
         if name not in self._files:
             raise web.HTTPNotFound(text='no such file\n')
-        if name not in OPEN and not await self._known(request):
+        if name not in OPEN and not self._known(request):
             raise web.HTTPUnauthorized(text='open the address with the token first\n')
         return self._send(name)
 
     async def _live(self, request: web.Request) -> web.StreamResponse:
-        if not await self._known(request):
+        if not self._known(request):
             raise web.HTTPUnauthorized(text='open the address with the token first\n')
         origin, host = request.headers.get('Origin', ''), request.headers.get('Host', '')
         if not host or origin not in (f'http://{host}', f'https://{host}'):
