@@ -207,8 +207,9 @@ class GoalControl:
         """End the goal that runs, if any, and stop what it set in motion."""
         if self._goal is None or not self._core.state.pursues:
             return
-        if self._core.listening.may_stop():
+        if self._core.listening.may_stop:
             self._core.outbox.send_at_once(HALT, now)
+            self._core.listening.stop_sent = True
         if over.code is Code.NONE:
             self._modes.want(self._core.status.wanted)  # and no longer that from before
         elif self._core.state.activity is Activity.DOCKING:

@@ -71,8 +71,8 @@ class Listening:
         """From when on it is asked ever more seldom, and when it is asked next."""
         self._stops = False
         """Whether a stop goes before it when it is asked first."""
-        self._stopped = False
-        """Whether a stop was asked for since it is open."""
+        self.stop_sent = False
+        """Whether a stop that somebody asked for was sent since it is open."""
         self.trust()
 
     # Questions.
@@ -88,7 +88,7 @@ class Listening:
         """
         self._list = next((each for each in lists if each not in (self._list, self._newest)),
                           self._list)
-        self.open, self._asked, self._stopped = True, False, False
+        self.open, self._asked, self.stop_sent = True, False, False
         self._due, self._stops = due, after_script is not None
         self._since = due if after_script is None else after_script
 
@@ -126,11 +126,11 @@ class Listening:
         """Whether the driver may send anything of its own."""
         return not self.open
 
+    @property
     def may_stop(self) -> bool:
-        """Tell whether a stop that somebody asks for is sent; it counts as sent then."""
+        """Whether a stop that somebody asks for is sent; `stop_sent` notes that it was."""
         called = self._due == inf
-        before, self._stopped = self._stopped, True
-        return not self.open or called or not before
+        return not self.open or called or not self.stop_sent
 
     # Doubt.
 

@@ -202,10 +202,11 @@ class Driver:
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        if self.state.activity is not Activity.CLOSED and self.core.listening.may_stop():
+        if self.state.activity is not Activity.CLOSED and self.core.listening.may_stop:
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
+            self.core.listening.stop_sent = True
         if self.core.outbox.call_off_motion() and self.scripts.playing:
             self.core.listening.close()
             self.plan.asked = None
