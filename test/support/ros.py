@@ -21,11 +21,11 @@ from create_oi_msgs.msg import Mode
 from create_oi_msgs.srv import SetMode
 import domain_coordinator
 from geometry_msgs.msg import Twist, Vector3
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
@@ -204,8 +204,11 @@ class Listener:
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
         arguments = [part for rule in rules for part in ('-r', rule)]
+        # Without services that nobody calls: rarely, the middleware hangs as it destroys one.
         self.node = rclpy.create_node(
-            name, context=self._context, cli_args=['--ros-args', *arguments])
+            name, context=self._context, cli_args=['--ros-args', *arguments],
+            start_parameter_services=False, enable_rosout=False,
+            parameter_overrides=[Parameter('start_type_description_service', value=False)])
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
@@ -355,8 +358,7 @@ class Ready:
 
     def set(self, name: str, value: float) -> bool:
         """Set a parameter of the node that is a number; return whether that was accepted."""
-        wanted = Parameter(name=name, value=ParameterValue(
-            type=ParameterType.PARAMETER_DOUBLE, double_value=value))
+        wanted = Parameter(name, value=value).to_parameter_msg()
         result, = self.ros.call(
             SetParameters, 'create/set_parameters', parameters=[wanted]).results
         assert result.successful or result.reason
