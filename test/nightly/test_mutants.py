@@ -67,8 +67,10 @@ class Laboratory:
                                 ignore=shutil.ignore_patterns('__pycache__'))
             else:
                 shutil.copy(ROOT / name, folder / name)
-        self._environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, (
-            str(folder), str(folder / 'test'), os.environ.get('PYTHONPATH'))))}
+        # Compiled code is kept by second and size of its source: two mutants may share both.
+        self._environment = {
+            **os.environ, 'PYTHONDONTWRITEBYTECODE': '1', 'PYTHONPATH': os.pathsep.join(filter(
+                None, (str(folder), str(folder / 'test'), os.environ.get('PYTHONPATH'))))}
 
     def survivors(self, file: str, sample: int) -> tuple[int, list[str]]:
         """Try mutants of a file; return how many, and what those have changed that survived."""
