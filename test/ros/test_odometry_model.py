@@ -8,7 +8,6 @@ from pathlib import Path
 import signal
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, Vector3
 import pytest
 from std_srvs.srv import Trigger
 import yaml
@@ -22,7 +21,7 @@ from create_oi_ros.ros.odometry_model import (
     write,
     write_whole,
 )
-from support.ros import Scene
+from support.ros import Ready
 
 
 def anything() -> str:
@@ -81,46 +80,29 @@ def test_what_is_no_model_is_named(tmp_path, content, said):
         read(file)
 
 
-def drive(stage: Scene, metres: float, robot) -> None:
-    """Drive straight ahead."""
-    velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-    timer = stage.ros.node.create_timer(
-        0.1, lambda: velocity.publish(Twist(linear=Vector3(x=0.2))))
-    stage.ros.until(lambda: robot.body.truth().pose.x > metres)
-    stage.ros.node.destroy_timer(timer)
-    velocity.publish(Twist())
-
-
-def test_a_file_of_an_older_odometry_is_kept_aside_and_a_new_one_written_on_request(
+def test_a_file_of_an_older_odometry_is_kept_aside_and_a_new_one_written_and_read(
         stage, tmp_path):
-    robot, file = stage.robot(), tmp_path / 'model.yaml'
+    file = tmp_path / 'model.yaml'
     file.write_text('format: 2\n')
-    node = stage.node(robot.link, odometry_model=file)
-    stage.ros.until(lambda: f'{file} does not exist: the odometry learns the robot' in node.output)
+    ready = Ready(stage, odometry_model=file)
+    until, node = stage.ros.until, ready.node
+    until(lambda: f'{file} does not exist: the odometry learns the robot' in node.output)
     assert f'format 2 is of an older odometry: it is kept as {file}.old' in node.output
     assert (tmp_path / 'model.yaml.old').read_text() == 'format: 2\n'
     assert not file.exists()
-    drive(stage, 0.4, robot)
-    answer = stage.ros.call(Trigger, 'save_odometry_model')
-    assert answer.success, answer.message
-    assert 'not known well yet' in answer.message
+    ready.drive(0.2, 0.0, lambda: ready.robot.body.truth().pose.x > 0.4)
+    assert 'not known well yet' in ready.ask(Trigger, 'save_odometry_model')
     known = read(file)
     assert known is not None
     assert isinstance(known.right_gain, Known)
     node.send(signal.SIGINT)
     assert node.ended() == 0
     assert 'stays as it is' in node.output
-
-
-def test_a_node_starts_with_what_a_file_knows(stage, tmp_path):
-    robot, file = stage.robot(), tmp_path / 'model.yaml'
-    write(file, parsed(anything()))
-    node = stage.node(robot.link, odometry_model=file)
     diagnosed = stage.ros.listen(DiagnosticArray, '/diagnostics')
-    stage.ros.until(lambda: f'starts with what {file} knows' in node.output)
-    drive(stage, 0.2, robot)
-    stage.ros.until(lambda: [status for array in diagnosed for status in array.status
-                             if status.name == 'create: odometry' and status.values])
+    again = stage.node(ready.robot.link, odometry_model=file)
+    until(lambda: f'starts with what {file} knows' in again.output)
+    until(lambda: [status for array in diagnosed for status in array.status
+                   if status.name == 'create: odometry' and status.values])
 
 
 def test_a_broken_file_keeps_the_node_from_starting(stage, tmp_path):
