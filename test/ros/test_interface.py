@@ -10,11 +10,9 @@ import struct
 
 from create_oi_msgs.msg import (
     Buttons,
-    CargoBay,
     Charging,
     IrOmni,
     Mode,
-    Overcurrent,
     Song,
     Wall,
 )
@@ -49,36 +47,6 @@ from support.ros import Ready
 from tf2_msgs.msg import TFMessage
 
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-
-
-def test_what_the_robot_senses_is_published(ready):
-    until, force = ready.ros.until, ready.robot.body.force
-    walls = ready.ros.listen(Wall, 'wall')
-    buttons = ready.ros.listen(Buttons, 'buttons', LATCHED)
-    beams = ready.ros.listen(IrOmni, 'ir_omni', LATCHED)
-    chargers = ready.ros.listen(Charging, 'charging', LATCHED)
-    currents = ready.ros.listen(Overcurrent, 'overcurrent', LATCHED)
-    bays = ready.ros.listen(CargoBay, 'cargo_bay')
-    heard = (walls, buttons, beams, chargers, currents, bays)
-    until(lambda: all(heard), 'the present state of all')
-    assert not (walls[-1].wall or buttons[-1].play or currents[-1].left_wheel)
-    assert (beams[-1].character, beams[-1].name) == (IrOmni.NONE, 'none')
-    assert chargers[-1].state == Charging.NOT_CHARGING
-    assert bays[-1].baud_rate_pin
-    force(wall=1, wall_signal=4000, virtual_wall=1, advance=1, infrared=137,
-          overcurrent_right_wheel=1, overcurrent_ld1=1, digital_input_2=1, analog=1023)
-    until(lambda: walls[-1].wall and walls[-1].virtual_wall and walls[-1].signal == 4000)
-    until(lambda: buttons[-1].advance and not buttons[-1].play)
-    until(lambda: beams[-1].character == IrOmni.REMOTE_PAUSE and beams[-1].name == 'remote_pause')
-    until(lambda: currents[-1].right_wheel and currents[-1].driver_1
-          and not currents[-1].left_wheel and not currents[-1].driver_0)
-    until(lambda: bays[-1].input_2 and not bays[-1].input_1 and bays[-1].analog == 5)
-    ready.robot.body.plug_charger(True)
-    until(lambda: chargers[-1].internal_charger and not chargers[-1].home_base)
-    until(lambda: chargers[-1].state in (Charging.FULL_CHARGING, Charging.RECONDITIONING))
-    late = ready.ros.listen(Buttons, 'buttons', LATCHED)
-    until(lambda: late and late[-1].advance, 'the state for one who comes late')
-    assert len(buttons) == 2, 'only changes are published'
 
 
 def points(cloud: PointCloud2) -> list[tuple[float, ...]]:

@@ -7,8 +7,8 @@ from itertools import count
 from math import hypot, nan, pi
 import signal
 
-from create_oi_msgs.msg import Bumper, Cliff, Mode, WheelDrop
-from create_oi_msgs.srv import ResetPose, SetMode
+from create_oi_msgs.msg import Bumper, Mode
+from create_oi_msgs.srv import ResetPose
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from nav_msgs.msg import Odometry
@@ -94,22 +94,6 @@ def test_topics_of_a_frame_have_its_stamp(ready):
     assert {nanoseconds(received[-1]) for received in others.values()} <= known
 
 
-def test_what_touches_the_robot_is_published(ready):
-    bumps = ready.ros.listen(Bumper, 'bumper')
-    drops = ready.ros.listen(WheelDrop, 'wheel_drop')
-    cliffs = ready.ros.listen(Cliff, 'cliff')
-    ready.ros.until(lambda: bumps and drops and cliffs)
-    ready.robot.body.force(bump_left=1)
-    ready.ros.until(lambda: bumps[-1].left and not bumps[-1].right)
-    ready.robot.body.force(cliff_front_right=1)
-    ready.ros.until(lambda: cliffs[-1].front_right and not cliffs[-1].left)
-    ready.robot.body.drop(caster=True)
-    ready.ros.until(lambda: drops[-1].caster and not drops[-1].left)
-    ready.until_mode(Mode.PASSIVE)
-    assert 'caster' in ready.modes[-1].reason
-    assert ready.modes[-1].wanted == Mode.SAFE
-
-
 def test_without_further_velocities_the_wheels_stop_and_one_that_is_no_number_is_refused(ready):
     velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
     ready.ros.until(velocity.get_subscription_count)
@@ -143,15 +127,6 @@ def test_velocities_drive_whatever_all_is_called_and_a_signal_stops_the_wheels(s
     stage.ros.until(lambda: robot.body.truth().speed == 0)
     assert robot.create.mode is oi.Mode.PASSIVE
     assert 'Traceback' not in node.output
-
-
-def test_set_mode_answers_when_the_robot_is_in_it_and_refuses_others(ready):
-    for mode in (oi.Mode.PASSIVE, oi.Mode.FULL):
-        ready.ask(SetMode, 'set_mode', mode=mode)
-        assert ready.robot.create.mode is mode
-    for wrong in (0, 4, 255):
-        assert 'SAFE' in ready.refused(SetMode, 'set_mode', mode=wrong)
-    assert ready.robot.create.mode is oi.Mode.FULL
 
 
 def test_stop_and_reset_odometry(ready):

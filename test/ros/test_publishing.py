@@ -140,7 +140,8 @@ class Frames:
     """Publishes frames one by one, a slot apart, and collects the topics of each."""
 
     def __init__(self, stage, monkeypatch) -> None:
-        for topic in (Odometry, 'odom'), (Bumper, 'bumper'), (Cliff, 'cliff'):
+        for topic in ((Odometry, 'odom'), (Bumper, 'bumper'), (Cliff, 'cliff'),
+                      (Buttons, 'buttons')):
             stage.ros.listen(*topic)
         self._slot = 0
         self.odom_rate = 0.0
@@ -196,6 +197,7 @@ def test_a_topic_that_changes_in_each_frame_comes_once_and_delays_no_other(frame
     frames.quiet()
     told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(200)]
     assert all(names.count('Bumper') == 1 for names in told)
+    assert not any('Buttons' in names for names in told), 'latched: only changes are published'
     assert sum('Cliff' in names for names in told) == round(200 * oi.SLOT / PERIOD)
 
 
