@@ -17,7 +17,7 @@ from std_srvs.srv import Trigger
 from create_oi_ros import oi
 from create_oi_ros.driver.connection import MAX_ABSENCE
 from create_oi_ros.ros.programs import PROGRAMS
-from nightly.stage import ANSWERS, OPENED, QUICK, SONG, Stage
+from nightly.stage import QUICK, SONG, Stage
 
 SERVICE_TIMEOUT = 0.5
 """Seconds within which a service must answer when there is no robot."""
@@ -53,8 +53,8 @@ class Fault:
     """Whether the same node and robot serve the next try."""
     recovery: float | None = 1.0
     """Limit of `Result.recovery`; None if nothing has to recover."""
-    zero: float | None = 1.0
-    """Limit of `Result.zero`; None if the wheels do not turn."""
+    zero: float = 1.0
+    """Limit of `Result.zero`."""
     node: dict[str, object] = field(default_factory=dict)
     """Parameters of the node."""
     robot: tuple[str, ...] = QUICK
@@ -278,49 +278,11 @@ def told_other_rate(stage: Stage, random: Random) -> Result:
     return result
 
 
-def command_cut_short(stage: Stage, random: Random) -> Result:
-    """Leave a command unfinished on the line, then start the node."""
-    command = random.choice([
-        oi.Song(number=5, notes=tuple(oi.Note(60, 20) for _ in range(16))),
-        oi.DriveDirect(right=500, left=500), oi.Leds(bits=0, color=1, intensity=2),
-        oi.Script(script=bytes(100)), oi.Stream(packets=tuple(range(7, 35)))]).encode()
-    _write(stage, oi.Start().encode() + command[:random.randrange(1, len(command))], wait=0.05)
-    return connected(stage)
-
-
-def at_other_rate(stage: Stage, random: Random) -> Result:
-    """Leave the robot at an unusual baud rate, then start the node with `baud: 0`."""
-    _write(stage, oi.Start().encode() + oi.Baud(code=oi.BaudCode.B19200).encode(), wait=0.05)
-    stage.control.tell('after 0.2')
-    result = connected(stage, baud=0)
-    stage.control.tell('power fail')
-    return result
-
-
-def _write(stage: Stage, data: bytes, *, wait: float | None = None) -> None:
-    """Write bytes to the robot's port; keep it open for `wait` seconds of the robot's clock."""
+def _write(stage: Stage, data: bytes) -> None:
+    """Write bytes to the robot's port, as if by mistake."""
     line = os.open(stage.port, os.O_RDWR | os.O_NOCTTY)
     os.write(line, data)
-    if wait is not None:
-        stage.control.tell(f'after {wait}')
     os.close(line)
-
-
-def connected(stage: Stage, **parameters: object) -> Result:
-    """Start a node; measure from the opening of the port to the robot's answer; end the node."""
-    stage.start_node(**parameters)
-    assert stage.node is not None
-    seconds = _logged(stage, ANSWERS) - _logged(stage, OPENED)
-    stage.until(lambda: stage.control.truth()['mode'] == 'SAFE', 'Safe mode')
-    stage.node.send(signal.SIGINT)
-    stage.node.ended()
-    return Result(recovery=seconds)
-
-
-def _logged(stage: Stage, words: str) -> float:
-    """Return the time stamp of the first line of the node's log that has these words."""
-    line = next(line for line in stage.node.printed if words in line)
-    return float(line.split('[')[2].split(']')[0])
 
 
 # Faults of the driver's process, and commands that end.
@@ -428,8 +390,6 @@ FAULTS = (
         zero=FOLLOW_TIMEOUT, node={'baud': 0}),
     Fault('robot told to wait for ever', told_to_wait, node={'baud': 0}),
     Fault('robot told another baud rate', told_other_rate, node={'baud': 0}),
-    Fault('command cut short before connecting', command_cut_short, keeps_node=False, zero=None),
-    Fault('robot at 19200, baud: 0', at_other_rate, keeps_node=False, zero=None),
     Fault('SIGSTOP, SIGCONT', suspended, zero=0.2),
     *(signalled(number, -number) for number in (signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT)),
     *(signalled(number, 0) for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)),

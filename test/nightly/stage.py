@@ -23,8 +23,6 @@ from support.simulator import ControlClient
 
 LOOK_EVERY = 0.01
 """Seconds between two looks at a condition."""
-OPENED, ANSWERS = 'opened, calling', 'robot answers'
-"""Words in the node's log when it has opened the port, and when the robot answers."""
 HELD = (
     'bump_left=0 bump_right=0 drop_left=0 drop_right=0 drop_caster=0 wall=0 wall_signal=1234 '
     'cliff_left=0 cliff_front_left=0 cliff_front_right=0 cliff_right=0 cliff_left_signal=1001 '
@@ -91,7 +89,7 @@ class Stage:
         self.node = Program(
             '-c', code, '--ros-args', *(part for each in arguments for part in ('-p', each)),
             domain=self.domain)
-        self.until(lambda: ANSWERS in self.node.output and self.watch.mode == Mode.SAFE,
+        self.until(lambda: 'robot answers' in self.node.output and self.watch.mode == Mode.SAFE,
                    'a robot that answers')
 
     def set_outputs(self) -> None:
