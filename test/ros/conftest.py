@@ -9,9 +9,9 @@ from support.ros import Ready, scene
 
 @pytest.fixture(scope='module')
 def shared(tmp_path_factory):
-    """Return a robot and its node, in Safe mode, that the tests of a module share."""
+    """Return a robot in Safe mode and its node, with `goal_pose`, for the tests of a module."""
     with scene(tmp_path_factory.mktemp('shared')) as made:
-        yield Ready(made)
+        yield Ready(made, goal_pose=True)
 
 
 @pytest.fixture

@@ -27,7 +27,7 @@ from std_srvs.srv import Trigger
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.ros.actions import malformed
 from create_oi_ros.sim.world import parse
-from support.ros import Listener, Ready, scene
+from support.ros import Listener, Ready
 
 TUNE = (AudioNoteSequence, 'audio_note_sequence')
 BASE = parse('start 0.4 0 180\nhome_base 0 0 0', 'base')
@@ -108,13 +108,6 @@ class Driving:
     def asked_to_stand(self) -> bool:
         """Whether zero is requested of the wheels."""
         return self.robot.create.actuators.wheels == (0, 0)
-
-
-@pytest.fixture(scope='module')
-def shared(tmp_path_factory):
-    """Return a robot and its node, which also goes to places that are published."""
-    with scene(tmp_path_factory.mktemp('shared')) as made:
-        yield Ready(made, goal_pose=True)
 
 
 @pytest.fixture(scope='module')

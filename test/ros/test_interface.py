@@ -163,8 +163,9 @@ def test_ending_the_node_while_a_script_holds_the_robot_is_an_error_line(stage):
     assert 'for an unknown time' in ready.node.output
 
 
-def test_without_a_robot_every_service_answers_with_what_to_do(stage):
+def test_without_a_robot_it_is_said_once_and_every_service_answers_with_what_to_do(stage):
     node = stage.node(stage.folder / 'nothing', cmd_vel_timout=1.0)
+    diagnostics = stage.ros.listen(DiagnosticArray, '/diagnostics')
     fields = {'set_mode': {'mode': Mode.SAFE}, 'define_song': {'pitches': [60], 'seconds': [1.0]}}
     says = {'save_odometry_model': '-p odometry_model:=FILE'}
     for service in SERVICES:
@@ -172,6 +173,10 @@ def test_without_a_robot_every_service_answers_with_what_to_do(stage):
         assert reply.message and says.get(service.name, '') in reply.message, service.name
         assert reply.success == service.name.startswith('reset_'), service.name
     assert 'cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?' in node.output
+    stage.ros.until(lambda: len(diagnostics) >= 3)
+    assert node.output.count('does not exist') == 1
+    link = next(s for s in diagnostics[-1].status if s.name.endswith('serial link'))
+    assert link.level == b'\x02' and 'does not exist' in link.message
 
 
 def typical_rate(heard: list) -> float:

@@ -9,7 +9,6 @@ import signal
 
 from create_oi_msgs.msg import Bumper, Mode
 from create_oi_msgs.srv import ResetPose
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
@@ -147,16 +146,6 @@ def test_stop_and_reset_odometry(ready):
     ready.ros.until(lambda: odom[-1].pose.pose.position.y == pytest.approx(2, abs=0.001))
     assert odom[-1].pose.pose.orientation.z == pytest.approx(1, abs=0.001)
     assert ready.set('cmd_vel_timeout', 0.5)
-
-
-def test_a_port_that_is_missing_is_named_once(stage):
-    node = stage.node(stage.folder / 'nothing')
-    diagnostics = stage.ros.listen(DiagnosticArray, '/diagnostics')
-    stage.ros.until(lambda: 'does not exist' in node.output)
-    stage.ros.until(lambda: len(diagnostics) >= 3)
-    assert node.output.count('does not exist') == 1
-    link = next(s for s in diagnostics[-1].status if s.name.endswith('serial link'))
-    assert link.level == b'\x02' and 'does not exist' in link.message
 
 
 def test_a_gyro_is_published_by_rep_145_once_it_follows_the_wheels(stage):
