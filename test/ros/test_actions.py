@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every action as a user sees it: through ROS, with the node as a process."""
 
+from contextlib import closing
 from math import inf, nan, pi
 import signal
 from typing import Any
@@ -56,47 +57,33 @@ class Sent:
         return bool(answer.result().goals_canceling)
 
 
-class Client:
-    """Sends goals of any action."""
+class Driving:
+    """A robot and its node, in Safe mode, and clients of its actions."""
 
-    def __init__(self, ros: Listener) -> None:
-        self._ros = ros
+    def __init__(self, ready: Ready) -> None:
+        self.ready, self.ros = ready, ready.ros
+        self.robot, self.node = ready.robot, ready.node
         self._clients: dict[str, ActionClient] = {}
 
     def send(self, type_: Any, name: str, **fields: Any) -> Sent | None:
         """Send a goal; return it, None where it was rejected."""
         if name not in self._clients:
-            self._clients[name] = ActionClient(self._ros.node, type_, name)
+            self._clients[name] = ActionClient(self.ros.node, type_, name)
         client = self._clients[name]
-        self._ros.until(client.server_is_ready, f'action {name}')
+        self.ros.until(client.server_is_ready, f'action {name}')
         feedback: list[Any] = []
         answer = client.send_goal_async(
             type_.Goal(**fields),
             feedback_callback=lambda message: feedback.append(message.feedback))
-        self._ros.until(answer.done, f'the answer of {name}')
+        self.ros.until(answer.done, f'the answer of {name}')
         handle = answer.result()
-        return Sent(self._ros, handle, feedback) if handle.accepted else None
+        return Sent(self.ros, handle, feedback) if handle.accepted else None
 
     def result(self, type_: Any, name: str, **fields: Any) -> Any:
         """Send a goal that is accepted, and wait for its result."""
         sent = self.send(type_, name, **fields)
         assert sent is not None, f'{name} was rejected'
         return sent.result()
-
-    def close(self) -> None:
-        """Destroy the clients, before their node."""
-        for client in self._clients.values():
-            client.destroy()
-
-
-class Driving:
-    """A robot and its node, in Safe mode, and a client of actions."""
-
-    def __init__(self, ready: Ready) -> None:
-        self.ready, self.ros = ready, ready.ros
-        self.robot, self.node = ready.robot, ready.node
-        self.client = Client(ready.ros)
-        self.send, self.result = self.client.send, self.client.result
 
     def moving(self, **fields):
         """Start a long drive, and wait until the robot moves."""
@@ -109,32 +96,23 @@ class Driving:
         """Whether zero is requested of the wheels."""
         return self.robot.create.actuators.wheels == (0, 0)
 
+    def close(self) -> None:
+        """Destroy the clients, before their node."""
+        for client in self._clients.values():
+            client.destroy()
+
 
 @pytest.fixture(scope='module')
 def shared_robot(shared):
-    """Return a client of the robot that all tests share."""
-    made = Driving(shared)
-    yield made
-    made.client.close()
+    """Return the robot that tests share, and clients."""
+    with closing(Driving(shared)) as made:
+        yield made
 
 
 @pytest.fixture
 def driving(shared_robot, ready):
     """Return it as if it were new."""
     return shared_robot
-
-
-@pytest.fixture
-def start(stage):
-    """Return a function that starts a robot and a node of this test only."""
-    made = []
-
-    def start(**options):
-        made.append(Driving(Ready(stage, **options)))
-        return made[-1]
-    yield start
-    for each in made:
-        each.client.close()
 
 
 def test_motions_are_done_with_feedback_and_a_pose(driving):
@@ -254,19 +232,19 @@ def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(driv
     assert 'velocity command' in result.message
 
 
-def test_a_robot_docks_and_leaves_its_dock(start):
-    driving = start(world=BASE)
-    sent = driving.send(Dock, 'dock')
-    result = sent.result()
-    assert result.success and result.is_docked, result.message
-    seen = [each for each in sent.feedback if each.sees_dock]
-    assert any(each.red_buoy or each.green_buoy for each in seen)
-    assert {each.state for each in sent.feedback} >= {Dock.Feedback.SEES_DOCK}
-    result = driving.result(Undock, 'undock')
-    assert result.success and not result.is_docked, result.message
-    assert 'by FULL' in result.message
-    driving.ready.until_mode(Mode.SAFE)
-    assert driving.result(Undock, 'undock').error_code == Undock.Result.NO_DOCK
+def test_a_robot_docks_and_leaves_its_dock(stage):
+    with closing(Driving(Ready(stage, world=BASE))) as driving:
+        sent = driving.send(Dock, 'dock')
+        result = sent.result()
+        assert result.success and result.is_docked, result.message
+        seen = [each for each in sent.feedback if each.sees_dock]
+        assert any(each.red_buoy or each.green_buoy for each in seen)
+        assert {each.state for each in sent.feedback} >= {Dock.Feedback.SEES_DOCK}
+        result = driving.result(Undock, 'undock')
+        assert result.success and not result.is_docked, result.message
+        assert 'by FULL' in result.message
+        driving.ready.until_mode(Mode.SAFE)
+        assert driving.result(Undock, 'undock').error_code == Undock.Result.NO_DOCK
 
 
 CLIENT = """
@@ -285,27 +263,28 @@ rclpy.spin(node)
 """
 
 
-def test_a_goal_ends_when_its_client_the_robot_or_the_driver_has_gone(start, stage):
-    driving = start()  # of a shared one, another client would still be there
-    script = stage.folder / 'brief.py'
-    script.write_text(CLIENT)
-    client = stage.script(script)
-    driving.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
-    driving.ros.until(lambda: driving.robot.body.truth().speed > 0.1, 'the robot moves')
-    client.send(signal.SIGINT)
-    driving.ros.until(lambda: driving.asked_to_stand, 'the wheels stand')
-    assert driving.robot.body.truth().travelled < 4.0
-    sent = driving.moving()
-    driving.robot.unplug()
-    assert sent.result().error_code == Code.LINK
-    driving.ready.until_mode(Mode.UNKNOWN)
-    driving.robot.plug()
-    driving.ready.until_mode(Mode.SAFE)
-    sent = driving.moving()
-    driving.node.send(signal.SIGINT)
-    result = sent.result()
-    assert result.error_code == Code.LINK
-    assert 'the driver ends' in result.message
+def test_a_goal_ends_when_its_client_the_robot_or_the_driver_has_gone(stage):
+    # Of a shared robot, another client would still be there.
+    with closing(Driving(Ready(stage))) as driving:
+        script = stage.folder / 'brief.py'
+        script.write_text(CLIENT)
+        client = stage.script(script)
+        driving.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
+        driving.ros.until(lambda: driving.robot.body.truth().speed > 0.1, 'the robot moves')
+        client.send(signal.SIGINT)
+        driving.ros.until(lambda: driving.asked_to_stand, 'the wheels stand')
+        assert driving.robot.body.truth().travelled < 4.0
+        sent = driving.moving()
+        driving.robot.unplug()
+        assert sent.result().error_code == Code.LINK
+        driving.ready.until_mode(Mode.UNKNOWN)
+        driving.robot.plug()
+        driving.ready.until_mode(Mode.SAFE)
+        sent = driving.moving()
+        driving.node.send(signal.SIGINT)
+        result = sent.result()
+        assert result.error_code == Code.LINK
+        assert 'the driver ends' in result.message
 
 
 # Actions that move no wheel.
