@@ -23,7 +23,8 @@ pytestmark = UNMEASURED
 
 Wish = tuple[float, float, float]
 """m/s, rad/s, seconds."""
-TWO_MINUTES = 120.0
+LESSON = 75.0
+"""Seconds of driving after which a robot is known."""
 
 
 def robot(rounding: Rounding = Rounding.TRUNCATE, config: BodyConfig = DEFAULT_BODY,
@@ -53,9 +54,9 @@ def learned(loop: Loop) -> Knowledge:
     return known
 
 
-def taught(loop: Loop, seed: int = 1) -> Knowledge:
-    """Drive for two minutes; return what was learned, by way of a file."""
-    for wish in mixed(seed, TWO_MINUTES):
+def taught(loop: Loop, seed: int = 1, seconds: float = LESSON) -> Knowledge:
+    """Drive for a while; return what was learned, by way of a file."""
+    for wish in mixed(seed, seconds):
         loop.drive(*wish)
     return parsed(text_of(learned(loop)))
 
@@ -75,7 +76,7 @@ def centre_robot() -> Knowledge:
     return taught(robot())
 
 
-def test_a_robot_is_known_after_two_minutes():
+def test_a_robot_is_known_after_75_seconds():
     centre = centre_robot()
     assert centre.certain
     assert centre.likeliest == (Rounding.TRUNCATE, SignSource.DRIVE)
@@ -115,7 +116,7 @@ def test_knowledge_makes_the_start_of_an_unusual_robot_right():
 def test_the_rounding_is_learned_on_a_line_that_is_steered_all_the_time(rounding, speed):
     """As Nav2 drives: the request changes with each command, by a little."""
     loop, random = robot(rounding), Random(1)
-    for _ in range(200):
+    for _ in range(120):
         loop.drive(speed, random.uniform(-0.03, 0.03), 0.1)
     assert learned(loop).rounding[rounding] > 0.95
 
@@ -124,7 +125,8 @@ def test_wheels_that_overshoot_are_known_as_such():
     config = replace(DEFAULT_BODY, response=Response.SECOND_ORDER, overshoot=0.3,
                      time_constant=TimeConstant(0.06))
     loop = robot(config=config)
-    known = taught(loop, 2)  # in drive 1 the last bits of a processor decide between two signs
+    # In drive 1 the last bits of a processor decide between two signs.
+    known = taught(loop, seed=2, seconds=120.0)
     assert known.likeliest == (Rounding.TRUNCATE, SignSource.DRIVE)
     late = 2 * 0.358 * 0.06 + config.dead_time  # 0.358 is the damping of such an overshoot
     assert known.delay(0.2).value == pytest.approx(late, abs=0.01)
