@@ -87,8 +87,10 @@ def series(job: tuple[str, int]) -> list[Score]:
     return [pursue(journey, kind, *wish(random)) for _ in range(EACH)]
 
 
-def figures(scores: list[Score]) -> list[Figure]:
-    """Return the figures that have targets; less is better."""
+def measure() -> list[Figure]:
+    jobs = [(kind, FIRST_SEED + i) for i in range(GOALS // EACH // len(KINDS)) for kind in KINDS]
+    with Pool() as pool:
+        scores = [each for some in pool.imap_unordered(series, jobs) for each in some]
     made = []
     for name, unit in (('drive_distance', 'mm'), ('rotate_angle', 'deg')):
         for kind in KINDS:
@@ -100,13 +102,6 @@ def figures(scores: list[Score]) -> list[Figure]:
                 beside=f'error: mean {mean(s.error for s in some):.2f} {unit}, 95th percentile '
                 f'{percentile([s.error for s in some], 95):.2f} {unit}'))
     return made
-
-
-def measure() -> list[Figure]:
-    jobs = [(kind, FIRST_SEED + i) for i in range(GOALS // EACH // len(KINDS)) for kind in KINDS]
-    with Pool() as pool:
-        scores = [each for some in pool.imap_unordered(series, jobs) for each in some]
-    return figures(scores)
 
 
 if __name__ == '__main__':

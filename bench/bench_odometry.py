@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from create_oi_ros import oi
 from create_oi_ros.odometry import Odometry
 from create_oi_ros.robot import Rounding
 from drives import DRIVES, waypoints
@@ -87,7 +88,7 @@ class Drive(Journey):
     def __init__(self, robot: Robot, seed: int, event: Event, odometry: Odometry | None) -> None:
         super().__init__(robot, seed, latency=LATENCY, odometry=odometry)
         self.event = event(Random(seed), self.body)
-        self._off: list[float] = []
+        self.off: list[float] = []
         self.beyond: list[bool] = []
 
     def go(self) -> None:
@@ -96,13 +97,8 @@ class Drive(Journey):
         super().go()
         for _, e, _ in self.moves[seen:]:
             off = abs(e.yaw - self._turned[self._down.sent])
-            self._off.append(degrees(off))
+            self.off.append(degrees(off))
             self.beyond.append(off > 2 * e.pose_covariance[8] ** 0.5)
-
-    @property
-    def most(self) -> float:
-        """Degrees by which the yaw was off at most in the first half minute."""
-        return max(self._off[:int(FIRST / 0.015)])
 
 
 def drive(name: str, number: int) -> Score:
@@ -120,7 +116,7 @@ def drive(name: str, number: int) -> Score:
     return Score(
         degrees(error[2]), degrees(rival.yaw - truth.turned), max(journey.turned / tau, 1.0),
         float(error @ np.linalg.solve(np.reshape(e.pose_covariance, (3, 3)), error)),
-        mean(journey.beyond), journey.most)
+        mean(journey.beyond), max(journey.off[:int(FIRST / oi.SLOT)]))
 
 
 def figure(name: str, scores: list[Score]) -> Figure:

@@ -8,7 +8,6 @@ A velocity from `cmd_vel` is written to the port at once. There is no checksum, 
 odometry and no other topic, so what the node takes beyond this is the cost of its own work.
 """
 
-import signal
 import struct
 import sys
 import threading
@@ -16,6 +15,7 @@ import threading
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import rclpy
+from rclpy.signals import SignalHandlerOptions
 import serial
 
 from create_oi_ros import oi
@@ -30,7 +30,7 @@ LAYOUT = struct.Struct('>xx' + ''.join(
     f'x{"h" if name in SPEEDS else "x" * oi.size_of(oi.NUMBERS[name])}'
     for name in PACKETS.names) + 'x')
 port = serial.Serial(sys.argv[1], 57600, exclusive=True)
-rclpy.init()
+rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
 node = rclpy.create_node('floor')
 odom = node.create_publisher(Odometry, 'odom', 10)
 
@@ -53,6 +53,5 @@ def read() -> None:
 
 
 node.create_subscription(Twist, 'cmd_vel', drive, 1)
-signal.signal(signal.SIGTERM, signal.SIG_DFL)
 threading.Thread(target=read, daemon=True).start()
 rclpy.spin(node)
