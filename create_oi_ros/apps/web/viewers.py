@@ -7,6 +7,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Coroutine
+from itertools import count
 import json
 import time
 from typing import Any
@@ -83,7 +84,7 @@ class Viewers:
         self._goals = {each: NewestGoal(node, each) for each in ('goal', 'tune')}
         """Those that move the robot, and tunes, which play beside them."""
         self._expiry: asyncio.TimerHandle | None = None
-        self._last_number = 0
+        self._numbers = count(1)
         self._show_seat()
 
     def __len__(self) -> int:
@@ -103,9 +104,8 @@ class Viewers:
             await socket.close(code=WSCloseCode.TRY_AGAIN_LATER,
                                message=f'{MOST_VIEWERS} pages are open already'.encode())
             return socket
-        self._last_number += 1
-        viewer = self._viewers[self._last_number] = Viewer(
-            self._last_number, socket, request)
+        viewer = Viewer(next(self._numbers), socket, request)
+        self._viewers[viewer.number] = viewer
         self._show_seat()
         sender = asyncio.create_task(self._send(viewer))
         try:
@@ -139,7 +139,6 @@ class Viewers:
         """Send what is new to all pages; one that is still being sent something is left out."""
         for viewer in self._viewers.values():
             viewer.news.set()
-        self._check_goals()
 
     async def _send(self, viewer: Viewer) -> None:
         try:
@@ -183,10 +182,8 @@ class Viewers:
         match message.type:
             case 'ping':
                 viewer.reply(message.type, True, '')
-                return
             case 'record':
                 self._recording.switch(on=fields['on'])
-                return
             case 'drive':
                 self._drive(number, **fields)
             case 'release':
@@ -219,11 +216,8 @@ class Viewers:
             self._node.velocity.publish(float(linear), float(angular))
             if self._expiry is not None:
                 self._expiry.cancel()
-            self._expiry = asyncio.get_running_loop().call_later(HOLD, self._expire)
-
-    def _expire(self) -> None:
-        """Stop the wheels: no command came in time."""
-        self._brake_if(self._seat.expire())
+            self._expiry = asyncio.get_running_loop().call_later(
+                HOLD, lambda: self._brake_if(self._seat.expire()))
 
     def _stop_if(self, due: bool) -> None:
         if due:
