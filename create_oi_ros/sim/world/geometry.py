@@ -86,8 +86,6 @@ class Polygon:
     """A closed region of floor."""
 
     def __init__(self, points: Sequence[Point]) -> None:
-        if len(points) < 3:
-            raise ValueError(f'a polygon of {len(points)} points; allowed: 3 or more')
         self.points = tuple(points)
         self.edges = chain([*points, points[0]])
 
