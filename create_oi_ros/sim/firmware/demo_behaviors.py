@@ -219,12 +219,6 @@ def figure_eight(controls: Controls) -> Demo:
                 yield
 
 
-def stand(controls: Controls) -> Demo:
-    """Stand until the demo is ended: what this demo does is not simulated."""
-    while True:
-        yield
-
-
 DRIVING: dict[DemoNumber, Callable[[Controls], Demo]] = {
     DemoNumber.COVER: cover,
     DemoNumber.COVER_AND_DOCK: cover_and_dock,
@@ -232,7 +226,7 @@ DRIVING: dict[DemoNumber, Callable[[Controls], Demo]] = {
     DemoNumber.MOUSE: mouse,
     DemoNumber.DRIVE_FIGURE_EIGHT: figure_eight,
 }
-"""The demos that drive; in the others the robot stands."""
+"""The demos that drive; in the others, which are not simulated, the robot stands."""
 NUMBERS: list[DemoNumber] = [demo for demo in DemoNumber if demo is not DemoNumber.ABORT]
 
 
@@ -259,7 +253,8 @@ class DemoPlayer:
         """Start a demo in place of the one that runs."""
         self.stop()
         self.demo = demo
-        self._behaviour = DRIVING.get(demo, stand)(self._controls)
+        if demo in DRIVING:
+            self._behaviour = DRIVING[demo](self._controls)
 
     def stop(self) -> None:
         """End the demo that runs, if any, and stop the wheels."""
