@@ -12,7 +12,7 @@ from math import ceil, floor, hypot
 from typing import NamedTuple
 
 from .geometry import Disc, LineSegment, Obstacle, Point, Polygon
-from .world import Pose, World
+from .world import World
 
 RESOLUTION = 0.02
 """Metres of a cell."""
@@ -120,8 +120,8 @@ def outlines(world: World) -> dict[str, list[Numbers]]:
         'posts': [_rounded(post.x, post.y, post.radius) for post in posts],
         'cliffs': list(map(_polygon, world.cliffs)),
         'grounds': list(map(_polygon, world.ground)),
-        'home_bases': [_pose(base.pose) for base in world.home_bases],
-        'virtual_walls': [[*_pose(each.pose), each.reach] for each in world.virtual_walls],
+        'home_bases': [_rounded(*base.pose) for base in world.home_bases],
+        'virtual_walls': [[*_rounded(*each.pose), each.reach] for each in world.virtual_walls],
     }
 
 
@@ -131,7 +131,3 @@ def _rounded(*values: float) -> Numbers:
 
 def _polygon(polygon: Polygon) -> Numbers:
     return _rounded(*(value for edge in polygon.edges for value in edge.ends[0]))
-
-
-def _pose(pose: Pose) -> Numbers:
-    return _rounded(*pose)
