@@ -212,12 +212,11 @@ def mode(status: ModeStatus, header: Header) -> Mode:
         wanted=status.wanted, reason=status.reason)
 
 
-MODE_NAMES = {mode.value: mode.name for mode in oi.Mode}
-
-
 def mode_name(code: int, reason: str = NO_ROBOT) -> str:
     """Return the name of a mode in the message Mode; the reason tells why it is UNKNOWN."""
-    return MODE_NAMES.get(code, 'NO ROBOT' if reason == NO_ROBOT else 'UNKNOWN')
+    if code in list(oi.Mode):
+        return oi.Mode(code).name
+    return 'NO ROBOT' if reason == NO_ROBOT else 'UNKNOWN'
 
 
 def charging_name(code: int) -> str:
