@@ -14,6 +14,7 @@ import time
 import pytest
 
 from create_oi_ros import oi
+from create_oi_ros.apps.check import robot_line
 from create_oi_ros.apps.check.moves import Move, Reads, Segment, STEPS
 from create_oi_ros.apps.check.questions import by_tape, in_lines, Person
 from create_oi_ros.apps.check.robot_line import Notebook, RobotLine, Runner
@@ -22,7 +23,8 @@ from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import GyroSettings, Knowledge, Rounding, SignSource
 from create_oi_ros.odometry.gyro import STEP
 from create_oi_ros.ros.odometry_model import parsed, text_of
-from create_oi_ros.ros.programs import PROGRAMS, UserError
+from create_oi_ros.ros.process import STOP_SIGNALS
+from create_oi_ros.ros.programs import create_check, PROGRAMS, UserError
 from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY
 from create_oi_ros.sim.body.gyro import Gyro
 from support.loop import Loop
@@ -179,46 +181,52 @@ def test_a_port_that_fails_ends_what_waits_for_the_robot(tmp_path):
                     wait()
 
 
-@pytest.mark.parametrize(('arguments', 'said'), [
+@pytest.fixture
+def refused(monkeypatch, capsys, tmp_path):
+    """Return a function that runs the program and returns its errors and all else it said."""
+    monkeypatch.chdir(tmp_path)
+    handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+
+    def run(*arguments: str) -> tuple[str, str]:
+        monkeypatch.setattr('sys.argv', ['create_check', '--yes', *arguments])
+        try:
+            code = create_check()
+        except SystemExit as ended:
+            code = ended.code
+        assert code == 2
+        said, errors = capsys.readouterr()
+        return errors, said
+    yield run
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize(('arguments', 'words'), [
     (['-o', '/nowhere/robot.yaml'], 'create_check: /nowhere is no folder'),
     (['--baud', '123'], 'invalid choice'),
     (['--capture', '/nowhere/x.capture'], 'create_check: /nowhere/x.capture: it does not exist')])
-def test_what_cannot_be_is_said_in_a_line(tmp_path, arguments, said):
-    done = subprocess.run(
-        [sys.executable, '-c', PROGRAMS['create_check'], '--yes', *arguments,
-         tmp_path / 'port'], text=True, capture_output=True, timeout=60, cwd=tmp_path)
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert 'Traceback' not in done.stderr
+def test_what_cannot_be_is_said_in_a_line(refused, arguments, words):
+    assert words in refused(*arguments, 'port')[0]
 
 
-TRIED = """
-from create_oi_ros.apps.check import robot_line
-from create_oi_ros.ros.programs import create_check
-robot_line.ANSWER = 3.0
-raise SystemExit(create_check())
-"""
-
-
-@pytest.mark.parametrize(('arguments', 'why'), [
-    (['nowhere'], 'nowhere does not exist; '), (['taken'], 'is in use by '),
-    (['silent'], 'no answer at 57600 baud: is the robot on')])
-def test_the_port_is_tried_before_the_floor_is_cleared(tmp_path, arguments, why):
+@pytest.mark.parametrize(('port', 'why'), [
+    ('nowhere', 'nowhere does not exist; '), ('taken', 'is in use by '),
+    ('silent', 'no answer at 57600 baud: is the robot on')])
+def test_the_port_is_tried_before_the_floor_is_cleared(
+        refused, tmp_path, monkeypatch, port, why):
+    monkeypatch.setattr(robot_line, 'ANSWER', 3.0)
     line, end = os.openpty()
     for name in ('taken', 'silent'):
         (tmp_path / name).symlink_to(os.ttyname(end))
-    if 'taken' in arguments:
+    if port == 'taken':
         fcntl.flock(end, fcntl.LOCK_EX)
-    done = subprocess.run(
-        [sys.executable, '-c', TRIED, '--yes', *arguments], text=True, capture_output=True,
-        timeout=60, cwd=tmp_path)
+    errors, said = refused(port)
     os.close(line)
     os.close(end)
-    assert done.returncode == 2
-    said, = done.stderr.splitlines()
-    assert said.startswith('create_check: ') and why in said
-    assert '`port`' not in said and 'parameter' not in said, 'it has no parameters'
-    assert 'floor' not in done.stdout
+    sentence, = errors.splitlines()
+    assert sentence.startswith('create_check: ') and why in sentence
+    assert '`port`' not in sentence and 'parameter' not in sentence, 'it has no parameters'
+    assert 'floor' not in said
     assert not list(tmp_path.glob('*.capture'))
 
 
