@@ -4,6 +4,7 @@
 
 import pytest
 
+from create_oi_ros.ros.parameters import Parameters
 from support.browser import browsers
 from support.ros import Ready, scene
 from support.web import LONG, PageClient, ready, served
@@ -29,11 +30,16 @@ def pages():
         page.close()
 
 
+USUAL = {'cmd_vel_timeout': LONG,
+         'max_linear_acceleration': Parameters.max_linear_acceleration}
+"""Parameters of the shared driver that tests change."""
+
+
 class Shared:
     """A robot, its driver and the server, which tests share."""
 
     def __init__(self, stage) -> None:
-        self.driver = Ready(stage, cmd_vel_timeout=LONG)
+        self.driver = Ready(stage)
         self.robot, self.ros = self.driver.robot, stage.ros
         self.address = served(stage)[1]
 
@@ -55,4 +61,6 @@ def server(tmp_path_factory):
 def shared(server):
     """Return it with its robot as new."""
     server.driver.renew()
+    for name, value in USUAL.items():
+        assert server.driver.set(name, value)
     return server

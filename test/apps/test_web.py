@@ -19,16 +19,8 @@ from create_oi_ros.apps.web.live_robot import BatteryTime, MOST_POINTS, TrackLog
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros.collector import FlatPose
 from create_oi_ros.ros.programs import UserError
-from create_oi_ros.sim.world import shipped
 from support.simulator import taught
 from support.web import IN_TIME, LONG, ready, Relay, served, standing, stops_in_time
-
-
-def started(stage, **parameters):
-    """Start a robot, its driver and a server of their own; return the robot and the address."""
-    robot = stage.robot(world=shipped('empty'))
-    stage.node(robot.link, cmd_vel_timeout=LONG, **parameters)
-    return robot, served(stage)[1]
 
 
 def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], str]:
@@ -60,9 +52,9 @@ def test_a_page_is_told_of_the_robot_and_drives_it(shared, pages):
 
 
 @pytest.mark.parametrize('gone', ['closed', 'silent'])
-def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(stage, pages, gone):
-    robot, address = started(stage, max_linear_acceleration=0.05)
-    page = ready(pages(address))
+def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(shared, pages, gone):
+    robot, page = shared.robot, ready(pages(shared.address))
+    assert shared.driver.set('max_linear_acceleration', 0.05)
     page.drive(0.4, 0.0, lambda: robot.create.actuators.wheels.left > 60)
     last = robot.create.actuators.wheels.left
     if gone == 'closed':
@@ -72,7 +64,7 @@ def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(stage, pages, gone):
     def stands() -> bool:
         seen.append(robot.create.actuators.wheels.left)
         return standing(robot)
-    stage.ros.until(stands, within=IN_TIME)
+    shared.ros.until(stands, within=IN_TIME)
     falls = [after for before, after in pairwise([last, *seen]) if after < before]
     assert set(falls) == {0}
 
@@ -98,19 +90,18 @@ def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(sh
 
 
 @pytest.mark.parametrize(('end', 'timeout'), [(signal.SIGTERM, LONG), (signal.SIGKILL, 0.5)])
-def test_the_wheels_stop_when_the_server_ends_or_is_killed(stage, pages, end, timeout):
-    robot = stage.robot()
-    stage.node(robot.link, cmd_vel_timeout=timeout)
-    web, address = served(stage)
+def test_the_wheels_stop_when_the_server_ends_or_is_killed(shared, pages, end, timeout):
+    assert shared.driver.set('cmd_vel_timeout', timeout)
+    web, address = served(shared.driver.stage)
     page = ready(pages(address))
-    page.drive(0.2, 0.0, lambda: not standing(robot))
+    page.drive(0.2, 0.0, lambda: not standing(shared.robot))
     web.send(end)
     if end is signal.SIGTERM:
         assert web.ended() == 0
         # A command that was on its way may break the connection before the page has read why.
         assert page.closed() in (
             aiohttp.WSCloseCode.GOING_AWAY, aiohttp.WSCloseCode.ABNORMAL_CLOSURE)
-    stops_in_time(stage.ros, robot)
+    stops_in_time(shared.ros, shared.robot)
     assert 'Traceback' not in web.output
 
 
