@@ -2,19 +2,40 @@
 # SPDX-License-Identifier: Apache-2.0
 """A browser, and a robot with the server of its page, which tests of applications share."""
 
+import shutil
+
 import pytest
 
 from create_oi_ros.ros.parameters import Parameters
-from support.browser import browsers
+from support.browser import OpenPage
 from support.ros import Ready, scene
 from support.web import LONG, PageClient, ready, served
+
+CHROMIUM = ('chromium', 'chromium-browser', 'google-chrome')
+"""Its names."""
 
 
 @pytest.fixture(scope='module')
 def browser():
-    """Return one browser for all tests of a file."""
-    with browsers() as made:
-        yield made
+    """Return a page of a real browser, which the tests of a file share."""
+    pytest.importorskip('playwright', reason='no playwright here: see tools/pins.txt')
+    found = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if found is None:
+        pytest.skip('no Chromium here: apt-get install chromium')
+    from playwright.sync_api import sync_playwright
+    with sync_playwright() as playwright:
+        # In a container its sandbox may be impossible; only our own page is opened here.
+        made = playwright.chromium.launch(
+            executable_path=found, args=['--no-sandbox', '--disable-gpu'])
+        yield OpenPage(made)
+        made.close()
+
+
+@pytest.fixture
+def empty_page(browser):
+    """Return this page, which shows nothing; in the end, it may not have complained."""
+    yield browser
+    browser.leave()
 
 
 @pytest.fixture

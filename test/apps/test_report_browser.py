@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page of a report in a real Chromium, without network, made from a bag of the simulator."""
 
-from collections.abc import Iterator
-from contextlib import closing
+from collections.abc import Callable
 from pathlib import Path
 import re
 import signal
@@ -54,20 +53,21 @@ def page_file(tmp_path_factory) -> Path:
     return folder / 'report.html'
 
 
-@pytest.fixture
-def opened(browser, page_file) -> Iterator[object]:
-    """Return a function that opens the page; in the end, it may not have complained."""
-    pages = []
+@pytest.fixture(scope='module')
+def browser(browser) -> OpenPage:
+    """Return a page of a browser without network."""
+    browser.page.context.set_offline(True)
+    return browser
 
+
+@pytest.fixture
+def opened(empty_page, page_file) -> Callable[..., OpenPage]:
+    """Return a function that opens the page of the bag."""
     def open_page(size: str = 'desktop') -> OpenPage:
-        pages.append(OpenPage(
-            browser, page_file.as_uri(), *SIZES[size], offline=True))
-        pages[-1].until('document.getElementById("chart-list").childElementCount > 5')
-        return pages[-1]
-    yield open_page
-    for page in pages:
-        page.close()
-    assert [page.errors for page in pages] == [[] for _ in pages]
+        empty_page.open(page_file.as_uri(), *SIZES[size])
+        empty_page.until('document.getElementById("chart-list").childElementCount > 5')
+        return empty_page
+    return open_page
 
 
 LAST = 'document.getElementById("slider").max'
@@ -210,46 +210,44 @@ def test_times_of_day_and_signals_are_chosen(opened):
     assert 'commanded' not in page.page.locator('figure').first.inner_text()
 
 
-def shown(browser, folder: Path, made: Recording) -> OpenPage:
+def show(page: OpenPage, folder: Path, made: Recording) -> None:
     """Open the page of a recording."""
     write(made, folder / 'report.html')
-    return OpenPage(browser, (folder / 'report.html').as_uri(), 800, 800, offline=True)
+    page.open((folder / 'report.html').as_uri(), 800, 800)
 
 
 @pytest.mark.parametrize('jumps', [True, False])
-def test_the_track_is_coloured_over_time_and_a_jump_breaks_it(browser, tmp_path, jumps):
+def test_the_track_is_coloured_over_time_and_a_jump_breaks_it(empty_page, tmp_path, jumps):
     """It drives along y = 0, then y = 9 m; the way between leads past 45 px left of the middle."""
     made = blank()
     for tick in range(80):
         made.odom.add(tick / 4, tick % 40 * 9 / 39, 9.0 * (tick >= 40), 0.0, 0.5, 0.0)
     if jumps:
         made.events.jumps.change(10.0, 'Odometry jumps by 12.73 m (reset_pose)')
-    with closing(shown(browser, tmp_path, made)) as page:
-        page.until('document.getElementById("place").textContent.startsWith("x 9.00")')
-        page.wait(lambda: page.page.evaluate("""() => {
-            const canvas = document.getElementById('map-canvas'), c = canvas.getContext('2d');
-            const data = (...box) => c.getImageData(...box).data, { width, height } = canvas;
-            const has = (box, like) => data(...box).some((red, at, all) => at % 4 === 0
-                && all[at + 3] === 255 && like(red, all[at + 2]));
-            return [has([0, height / 2, width, height / 2], (red, blue) => blue > red + 90),
-                    has([0, 0, width, height / 2], (red, blue) => red > 200 && blue < 30),
-                    data(width / 2 - 49, height / 2 - 4, 8, 8).some(each => each)];
-        }""") == [True, True, not jumps], 'blue, then amber, and the line between')
-        assert page.errors == []
+    show(empty_page, tmp_path, made)
+    empty_page.until('document.getElementById("place").textContent.startsWith("x 9.00")')
+    empty_page.wait(lambda: empty_page.page.evaluate("""() => {
+        const canvas = document.getElementById('map-canvas'), c = canvas.getContext('2d');
+        const data = (...box) => c.getImageData(...box).data, { width, height } = canvas;
+        const has = (box, like) => data(...box).some((red, at, all) => at % 4 === 0
+            && all[at + 3] === 255 && like(red, all[at + 2]));
+        return [has([0, height / 2, width, height / 2], (red, blue) => blue > red + 90),
+                has([0, 0, width, height / 2], (red, blue) => red > 200 && blue < 30),
+                data(width / 2 - 49, height / 2 - 4, 8, 8).some(each => each)];
+    }""") == [True, True, not jumps], 'blue, then amber, and the line between')
 
 
-def test_what_was_not_recorded_is_left_out_and_named(browser, tmp_path):
+def test_what_was_not_recorded_is_left_out_and_named(empty_page, tmp_path):
     made = blank()
     made.heard.add('mode')
     made.events.spans['mode'].change(0.0, 'SAFE')
     made.events.finish(20.0)
-    with closing(shown(browser, tmp_path, made)) as page:
-        page.page.get_by_text('Not recorded: odom, cmd_vel, battery_state, diagnostics, bumper, '
-                              'cliff, wheel_drop').wait_for()
-        assert page.page.locator('figure').count() == 1
-        assert page.text('figure').split() == ['What', 'holds', 'SAFE']
-        assert page.page.locator('#map-canvas:visible, #place:visible').count() == 0
-        assert page.errors == []
+    show(empty_page, tmp_path, made)
+    empty_page.page.get_by_text('Not recorded: odom, cmd_vel, battery_state, diagnostics, bumper, '
+                                'cliff, wheel_drop').wait_for()
+    assert empty_page.page.locator('figure').count() == 1
+    assert empty_page.text('figure').split() == ['What', 'holds', 'SAFE']
+    assert empty_page.page.locator('#map-canvas:visible, #place:visible').count() == 0
 
 
 def test_keys_and_the_play_button_move_the_time(opened):

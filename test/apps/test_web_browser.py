@@ -21,7 +21,6 @@ from sensor_msgs.msg import BatteryState
 
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import parse
-from support.browser import OpenPage
 from support.ros import Ready, scene
 from support.web import free_port, LONG, PageClient, Relay, served, standing, stops_in_time
 
@@ -38,6 +37,7 @@ window.push = (x, y, button = false, age = 0) => {
   window.pad = { connected: true, axes: [x, y], buttons: [{ pressed: button }] };
   Object.defineProperty(window.pad, 'timestamp', { get: () => performance.now() - age });
 };
+if (location.protocol !== 'about:') localStorage.clear();
 window.buzzes = [];
 navigator.vibrate = pattern => window.buzzes.push(pattern);
 """
@@ -61,25 +61,27 @@ def robot(stage):
     return stage.ready.robot
 
 
-@pytest.fixture
-def pages(browser):
-    """Return a function that opens a page; in the end, none may have complained."""
-    opened = []
+@pytest.fixture(scope='module')
+def browser(browser):
+    """Return a page of a browser with a gamepad."""
+    browser.page.add_init_script(GAMEPAD)
+    return browser
 
+
+@pytest.fixture
+def opened(empty_page):
+    """Return a function that opens the page of a server, in some size."""
     def open_page(address, size='desktop'):
-        opened.append(OpenPage(browser, address, *SIZES[size], script=GAMEPAD))
-        return opened[-1]
-    yield open_page
-    for page in opened:
-        page.close()
-    assert [page.errors for page in opened] == [[] for _ in opened]
+        empty_page.open(address, *SIZES[size])
+        return empty_page
+    return open_page
 
 
 @pytest.fixture
-def shown(stage, robot, pages):
-    """Return a function that opens a page that shows the robot, in some size."""
+def shown(stage, robot, opened):
+    """Return a function that opens a page that shows the robot."""
     def show(size='desktop', address=stage.address):
-        page = pages(address, size)
+        page = opened(address, size)
         page.live()
         return page
     return show
@@ -159,7 +161,7 @@ def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, show
     }""")
     stops_in_time(stage.ros, robot)
     drive()
-    page.close()
+    page.leave()
     stops_in_time(stage.ros, robot)
 
 
@@ -264,8 +266,8 @@ def test_a_network_that_is_too_slow_to_drive_is_said(stage, robot, shown, relay)
 
 
 def test_a_low_battery_trembles_and_values_that_are_old_for_their_topic_are_dimmed(
-        stage, pages, other):
-    page = pages(other)
+        stage, opened, other):
+    page = opened(other)
     odom = stage.ros.node.create_publisher(Odometry, '/other/odom', 1)
     battery = stage.ros.node.create_publisher(BatteryState, '/other/battery_state', 1)
 
@@ -509,8 +511,8 @@ def test_a_recording_is_made_and_its_report_is_offered(stage, robot, shown):
 # Texts, tokens, other servers.
 
 
-def test_texts_of_others_are_no_html(stage, pages, other):
-    page = pages(other)
+def test_texts_of_others_are_no_html(stage, opened, other):
+    page = opened(other)
     publisher = stage.ros.node.create_publisher(DiagnosticArray, '/diagnostics', 10)
     evil = '<img id=evil src=x onerror=alert(1)>'
 
@@ -525,7 +527,7 @@ def test_texts_of_others_are_no_html(stage, pages, other):
     assert page.page.locator('#evil').count() == 0
 
 
-def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, robot, pages):
+def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, robot, opened):
     port = str(free_port())
     here = f'http://127.0.0.1:{port}/'
 
@@ -533,7 +535,7 @@ def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, r
         web, address = served(stage, '--port', port, '--host', '0.0.0.0')
         return web, address.partition('?token=')[2]
     web, token = server()
-    page = pages(here, 'phone')
+    page = opened(here, 'phone')
     assert 'Which token?' in page.text('h1')
     assert not page.page.locator('#wrong').is_visible()
     page.page.get_by_label('Token').fill('guessed')

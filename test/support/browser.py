@@ -2,56 +2,34 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real Chromium without a window, driven by Playwright."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-import shutil
+from collections.abc import Callable
 import time
 from typing import Any
 
-import pytest
-
-NAMES = ('chromium', 'chromium-browser', 'google-chrome')
 TIMEOUT_MS, POLL_MS = 20_000, 50
 
 
-def chromium() -> str:
-    """Return the path of a Chromium; skip the test where there is none."""
-    pytest.importorskip('playwright', reason='no playwright here: see tools/pins.txt')
-    found = next(filter(None, map(shutil.which, NAMES)), None)
-    if found is None:
-        pytest.skip('no Chromium here: apt-get install chromium')
-    return found
-
-
-@contextmanager
-def browsers() -> Iterator[Any]:
-    """Yield a browser that runs until the block ends."""
-    path = chromium()
-    from playwright.sync_api import sync_playwright
-    with sync_playwright() as playwright:
-        # In a container its sandbox may be impossible; only our own page is opened here.
-        browser = playwright.chromium.launch(
-            executable_path=path, args=['--no-sandbox', '--disable-gpu'])
-        yield browser
-        browser.close()
-
-
 class OpenPage:
-    """A page, and what its console complains about."""
+    """
+    A page, and what its console complains about.
 
-    def __init__(self, browser: Any, address: str, width: int, height: int, *,
-                 offline: bool = False, script: str = '') -> None:
-        """Open an address; `script` runs before those of the page."""
-        self._context = browser.new_context(
-            viewport={'width': width, 'height': height}, has_touch=width < 800, offline=offline)
+    It shows one address after the other: a new page takes the browser half a second of work.
+    """
+
+    def __init__(self, browser: Any) -> None:
+        """Show nothing yet."""
+        self._context = browser.new_context(has_touch=True)
         self._context.set_default_timeout(TIMEOUT_MS)
-        self._context.add_init_script(script)
         self.page = self._context.new_page()
         self._touches: Any = None
         self.errors: list[str] = []
         self.page.on('pageerror', lambda error: self.errors.append(str(error)))
         self.page.on('console', lambda message: message.type == 'error' and self.errors.append(
             message.text))
+
+    def open(self, address: str, width: int, height: int) -> None:
+        """Open an address in a window of this size."""
+        self.resize(width, height)
         self.page.goto(address)
 
     def live(self) -> None:
@@ -106,6 +84,9 @@ class OpenPage:
         page.goto(address)
         page.close()
 
-    def close(self) -> None:
-        """Close the page at once."""
-        self._context.close()
+    def leave(self) -> None:
+        """Show nothing any more, and forget cookies; fail if the page has complained."""
+        self.page.goto('about:blank')
+        self._context.clear_cookies()
+        errors, self.errors = self.errors, []
+        assert errors == []
