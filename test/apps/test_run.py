@@ -35,10 +35,35 @@ from support.ros import children_of
 from support.web import ADDRESS, PageClient, ready
 from tf2_msgs.msg import TFMessage
 
+SLAM = Path(__file__).parents[2] / 'config' / 'with' / 'slam_toolbox.yaml'
+
+
+def scans_of_the_room_come_as_slam_and_nav2_expect_them(stage, odom) -> None:
+    """Look at scans where the robot starts; `odom` is what came of its odometry."""
+    scans = stage.ros.listen(LaserScan, '/scan', qos_profile_sensor_data)
+    transforms = stage.ros.listen(TFMessage, '/tf_static', LATCHED)
+    stage.ros.until(lambda: len(scans) > 10)
+    slam = yaml.safe_load(SLAM.read_text())['slam_toolbox']['ros__parameters']
+    scan = scans[-1]
+    assert slam['scan_topic'] == '/scan'
+    assert scan.range_max == pytest.approx(slam['max_laser_range'])
+    assert (scan.range_min, scan.scan_time) == pytest.approx((0.12, 0.1))
+    transform, = (each for message in transforms for each in message.transforms)
+    assert transform.header.frame_id == slam['base_frame'] == odom[-1].child_frame_id
+    assert transform.child_frame_id == scan.header.frame_id == 'laser'
+    assert transform.transform.translation.z == pytest.approx(0.12)
+    assert len(scan.ranges) == 360
+    assert scan.angle_min == pytest.approx(-pi)
+    assert scan.angle_max == pytest.approx(scan.angle_min + 359 * scan.angle_increment)
+    for beam, wall in ((0, 2.0), (90, 1.5), (180, 2.0), (270, 1.5)):
+        assert scan.ranges[beam] == pytest.approx(wall, abs=0.05)
+    stamps = [(each.header.stamp.sec, each.header.stamp.nanosec) for each in scans]
+    assert stamps == sorted(set(stamps))
+
 
 def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     path = stage.folder / 'walk.capture'
-    run = stage.program('create_run', '--world', 'empty', '--capture', str(path))
+    run = stage.program('create_run', '--world', 'room', '--lidar', '--capture', str(path))
     odom = stage.ros.listen(Odometry, 'odom')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
     stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE and odom)
@@ -46,6 +71,7 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     steady = re.compile(
         r'^6\d frames/s  SAFE     x \S+ y \S+ m  +\S+ deg  \d+%  \S+ m/s  \S+ rad/s$', re.M)
     stage.ros.until(lambda: steady.search(run.output))
+    scans_of_the_room_come_as_slam_and_nav2_expect_them(stage, odom)
     example = stage.example('drive.py')
     stage.ros.until(lambda: odom[-1].pose.pose.position.x > 0.2)
     assert example.ended() == 0
@@ -63,7 +89,7 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     assert f'/create runs already in ROS domain {stage.domain}' in second.output
     assert 'for phones in your network, too, add --host 0.0.0.0\n' in run.output
     children = children_of(run.pid)
-    assert len(children) == 3
+    assert len(children) == 4
     run.send(signal.SIGINT)
     assert run.ended() == 0
     assert 'Traceback' not in run.output
@@ -73,7 +99,7 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     assert not Path(re.search(r'Create on (/\S+)/create,', run.output)[1]).exists()
 
 
-def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_in_its_namespace(stage):
+def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_until_run_is_killed(stage):
     (stage.folder / 'my.yaml').write_text('/**:\n  ros__parameters:\n    bump_stop: forward\n')
     kept = stage.folder / 'token'
     kept.write_text('a_token_that_lasts_long')
@@ -99,8 +125,10 @@ def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_in_its_namesp
         assert page.known['room']['walls'], 'the apartment'
         before = page.known['true_pose'][:2]
         page.drive(0.2, 0.0, lambda: dist(before, page.known['true_pose'][:2]) > 0.1)
-    run.send(signal.SIGINT)
-    assert run.ended() == 0
+    children = children_of(run.pid)
+    run.send(signal.SIGKILL)
+    assert run.ended() == -signal.SIGKILL
+    stage.ros.until(lambda: not any(Path(f'/proc/{child}').exists() for child in children))
     assert 'Traceback' not in run.output
 
 
@@ -140,13 +168,7 @@ def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
     assert words in capsys.readouterr().err
 
 
-def test_children_end_with_a_killed_run_and_the_next_one_shows_its_status_in_place(stage):
-    run = stage.program('create_run', '--world', 'empty')
-    stage.ros.until(lambda: 'robot answers' in run.output)
-    children = children_of(run.pid)
-    run.send(signal.SIGKILL)
-    assert run.ended() == -signal.SIGKILL
-    stage.ros.until(lambda: not any(Path(f'/proc/{child}').exists() for child in children))
+def test_on_a_terminal_the_status_line_stays_below_the_log(stage):
     run = stage.program('create_run', '--world', 'empty', terminal=True)
 
     def last() -> str:  # a terminal shows one line that changes in place
@@ -246,37 +268,7 @@ def test_the_line_always_fits(message, x, yaw):
     assert f'x {x:+.2f} y +0.00 m' in line
 
 
-# `create_run --lidar` and `create_lidar`, as SLAM and Nav2 meet them.
-
-
-SLAM = Path(__file__).parents[2] / 'config' / 'with' / 'slam_toolbox.yaml'
-
-
-def test_scans_of_a_room_come_as_slam_and_nav2_expect_them(stage):
-    run = stage.program('create_run', '--world', 'room', '--lidar')
-    scans = stage.ros.listen(LaserScan, '/scan', qos_profile_sensor_data)
-    transforms = stage.ros.listen(TFMessage, '/tf_static', LATCHED)
-    odom = stage.ros.listen(Odometry, 'odom')
-    stage.ros.until(lambda: len(scans) > 10 and odom)
-    slam = yaml.safe_load(SLAM.read_text())['slam_toolbox']['ros__parameters']
-    scan = scans[-1]
-    assert slam['scan_topic'] == '/scan'
-    assert scan.range_max == pytest.approx(slam['max_laser_range'])
-    assert (scan.range_min, scan.scan_time) == pytest.approx((0.12, 0.1))
-    transform, = (each for message in transforms for each in message.transforms)
-    assert transform.header.frame_id == slam['base_frame'] == odom[-1].child_frame_id
-    assert transform.child_frame_id == scan.header.frame_id == 'laser'
-    assert transform.transform.translation.z == pytest.approx(0.12)
-    assert len(scan.ranges) == 360
-    assert scan.angle_min == pytest.approx(-pi)
-    assert scan.angle_max == pytest.approx(scan.angle_min + 359 * scan.angle_increment)
-    for beam, wall in ((0, 2.0), (90, 1.5), (180, 2.0), (270, 1.5)):
-        assert scan.ranges[beam] == pytest.approx(wall, abs=0.05)
-    stamps = [(each.header.stamp.sec, each.header.stamp.nanosec) for each in scans]
-    assert stamps == sorted(set(stamps))
-    run.send(signal.SIGINT)
-    assert run.ended() == 0
-    assert 'Traceback' not in run.output
+# `create_lidar`.
 
 
 def test_where_nothing_is_near_all_ranges_are_infinite_and_the_end_of_the_robot_is_its_end(stage):
