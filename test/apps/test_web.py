@@ -3,7 +3,6 @@
 """`create_web` as a browser meets it: every message, every refusal, and wheels that stop."""
 
 from contextlib import closing
-import http.client
 from itertools import pairwise
 from math import nan
 import signal
@@ -20,20 +19,17 @@ from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros.collector import FlatPose
 from create_oi_ros.ros.programs import UserError
 from support.simulator import taught
-from support.web import IN_TIME, LONG, ready, Relay, served, standing, stops_in_time
-
-
-def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], str]:
-    """Ask for a path as it stands, with just these headers; return status, headers, body."""
-    host = address.removeprefix('http://').partition('/')[0]
-    with closing(http.client.HTTPConnection(host, timeout=20)) as connection:
-        connection.putrequest('GET', path, skip_host='Host' in headers)
-        for name, value in headers.items():
-            connection.putheader(name, value)
-        connection.endheaders()
-        answer = connection.getresponse()
-        return answer.status, dict(answer.getheaders()), answer.read().decode()
-
+from support.web import (
+    get,
+    IN_TIME,
+    LONG,
+    ready,
+    refusal,
+    Relay,
+    served,
+    standing,
+    stops_in_time,
+)
 
 # Driving.
 
@@ -261,13 +257,6 @@ def test_the_time_of_the_battery_is_its_charge_over_the_mean_current():
 
 # Who may come in.
 
-def refusal(open_page, address, **arguments) -> int:
-    """Return the status with which a connection is refused."""
-    with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
-        open_page(address, **arguments)
-    return int(refused.value.status)
-
-
 def test_only_this_computer_and_this_page_come_in(shared, pages):
     address = shared.address
     base = address.rstrip('/')
@@ -284,32 +273,6 @@ def test_only_this_computer_and_this_page_come_in(shared, pages):
     assert (status, headers['Content-Type']) == (200, 'text/javascript; charset=utf-8')
     assert "default-src 'none'" in headers['Content-Security-Policy']
     assert headers['X-Content-Type-Options'] == 'nosniff'
-
-
-def test_from_other_computers_a_token_is_needed(stage, pages):
-    web, address = served(stage, '--host', '0.0.0.0')
-    base, _, token = address.partition('?token=')
-    assert len(token) >= 20
-    assert not base.startswith('http://0.0.0.0')
-    here = f'http://127.0.0.1:{base.rstrip("/").rpartition(":")[2]}/'
-    status, _, body = get(here, '/')
-    assert status == 401 and 'Which token?' in body
-    for path in ('/?token=', '/?token=%ff', f'/?token={token}x'):
-        assert get(here, path)[1]['Location'] == '/#wrong', path
-    assert get(here, '/main.js')[0] == 401
-    assert get(here, '/style.css')[0] == 200, 'the question is styled, too'
-    assert refusal(pages, here) == 401
-    assert refusal(pages, here, token='wrong') == 401
-    status, headers, _ = get(here, f'/?token={token}')
-    assert (status, headers['Location']) == (303, '/')
-    cookie = headers['Set-Cookie']
-    assert 'HttpOnly' in cookie and 'SameSite=Lax' in cookie
-    assert get(here, '/', Cookie=cookie.partition(';')[0])[0] == 200
-    assert get(here, '/', Cookie=b'create_web=\xff'.decode('latin-1'))[0] == 401
-    assert refusal(pages, here, token=token, origin='http://evil.example') == 403
-    page = pages(here, token=token)
-    page.until(lambda: page.known['seat']['viewers'] == 1)
-    assert 'Traceback' not in web.output and 'Error' not in web.output
 
 
 # The simulated room.

@@ -15,7 +15,7 @@ import pytest
 from create_oi_ros.apps.web.create_web import encryption, kept_token
 from create_oi_ros.ros.programs import UserError
 from support.ros import scene
-from support.web import free_port, served
+from support.web import free_port, get, refusal, served
 
 
 @pytest.fixture(scope='module')
@@ -30,7 +30,8 @@ def server(stage):
     """Return a server with a token, and the address that it prints."""
     os.environ['ROS_LOG_DIR'] = str(stage.folder / 'log')
     try:
-        return served(stage, '--host', '0.0.0.0', '--token-file', str(stage.folder / 'token'))
+        return served(stage, '--host', '0.0.0.0', '--token-file', str(stage.folder / 'token'),
+                      '--control', str(stage.folder / 'nowhere'))
     finally:
         del os.environ['ROS_LOG_DIR']
 
@@ -40,13 +41,9 @@ def port_of(address: str) -> int:
     return int(address.partition('?')[0].rstrip('/').rpartition(':')[2])
 
 
-def ask(address: str, path: str, cookie: str = '') -> http.client.HTTPResponse:
-    """Ask this computer for a path; the answer is read."""
-    with closing(http.client.HTTPConnection('127.0.0.1', port_of(address), timeout=20)) as asked:
-        asked.request('GET', path, headers={'Cookie': cookie} if cookie else {})
-        answer = asked.getresponse()
-        answer.read()
-        return answer
+def local(address: str) -> str:
+    """Return the address of a server for this computer."""
+    return f'http://127.0.0.1:{port_of(address)}/'
 
 
 def ended(connection: socket.socket) -> bytes:
@@ -71,8 +68,40 @@ def test_bad_http_is_refused_and_others_are_served(server, bad):
     with closing(socket.create_connection(('127.0.0.1', port_of(address)))) as connection:
         connection.sendall(bad)
         assert b' 200 ' not in ended(connection)
-    assert ask(address, '/').status == 401
+    assert get(local(address), '/')[0] == 401
     assert 'Traceback' not in web.output
+
+
+def test_from_other_computers_a_token_is_needed(server, pages):
+    web, address = server
+    base, _, token = address.partition('?token=')
+    assert len(token) >= 20
+    assert not base.startswith('http://0.0.0.0')
+    here = local(address)
+    status, _, body = get(here, '/')
+    assert status == 401 and 'Which token?' in body
+    for path in ('/?token=', '/?token=%ff', f'/?token={token}x'):
+        assert get(here, path)[1]['Location'] == '/#wrong', path
+    assert get(here, '/main.js')[0] == 401
+    assert get(here, '/style.css')[0] == 200, 'the question is styled, too'
+    assert refusal(pages, here) == 401
+    assert refusal(pages, here, token='wrong') == 401
+    status, headers, _ = get(here, f'/?token={token}')
+    assert (status, headers['Location']) == (303, '/')
+    cookie = headers['Set-Cookie']
+    assert 'HttpOnly' in cookie and 'SameSite=Lax' in cookie
+    assert get(here, '/', Cookie=cookie.partition(';')[0])[0] == 200
+    assert get(here, '/', Cookie=b'create_web=\xff'.decode('latin-1'))[0] == 401
+    assert refusal(pages, here, token=token, origin='http://evil.example') == 403
+    page = pages(here, token=token)
+    page.until(lambda: page.known['seat']['viewers'] == 1)
+    assert 'Traceback' not in web.output and 'Error' not in web.output
+
+
+def test_a_control_socket_that_is_not_there_is_said(stage, server):
+    web, _ = server
+    stage.ros.until(
+        lambda: 'nowhere: no simulated robot answers there (No such file' in web.output)
 
 
 def test_a_token_in_a_file_lasts_and_no_log_has_it(stage, server):
@@ -86,7 +115,8 @@ def test_a_token_in_a_file_lasts_and_no_log_has_it(stage, server):
     assert not any(token in log for log in logs)
     again, _ = served(stage, '--host', '0.0.0.0', '--token-file', str(file),
                       '--port', str(port_of(address)))
-    assert ask(address, '/', cookie=f'create_web_{port_of(address)}={token}').status == 200
+    cookie = f'create_web_{port_of(address)}={token}'
+    assert get(local(address), '/', Cookie=cookie)[0] == 200
     again.send(signal.SIGTERM)
 
 
@@ -130,9 +160,3 @@ def test_a_certificate_that_is_none_is_refused(tmp_path):
     with pytest.raises(UserError, match='No such file'):
         encryption(tmp_path / 'nothing', tmp_path / 'cert')
     assert encryption(None, None) is None
-
-
-def test_a_control_socket_that_is_not_there_is_said(stage):
-    web, _ = served(stage, '--control', str(stage.folder / 'nowhere'))
-    stage.ros.until(
-        lambda: 'nowhere: no simulated robot answers there (No such file' in web.output)

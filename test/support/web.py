@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import closing, suppress
+import http.client
 import json
 import re
 import socket
@@ -15,6 +16,7 @@ import time
 from typing import Any
 
 import aiohttp
+import pytest
 
 from support.ros import Listener, Program, Robot, Scene, TIMEOUT
 
@@ -39,6 +41,18 @@ def free_port() -> int:
     """Return a TCP port that nobody listens on."""
     with socket.create_server(('127.0.0.1', 0)) as probe:
         return int(probe.getsockname()[1])
+
+
+def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], str]:
+    """Ask for a path as it stands, with just these headers; return status, headers, body."""
+    host = address.removeprefix('http://').partition('/')[0]
+    with closing(http.client.HTTPConnection(host, timeout=20)) as connection:
+        connection.putrequest('GET', path, skip_host='Host' in headers)
+        for name, value in headers.items():
+            connection.putheader(name, value)
+        connection.endheaders()
+        answer = connection.getresponse()
+        return answer.status, dict(answer.getheaders()), answer.read().decode()
 
 
 class PageClient:
@@ -135,6 +149,13 @@ class PageClient:
         self._run(self._socket.close())
         self._run(self._session.close())
         self._loop.close()
+
+
+def refusal(open_page, address, **arguments) -> int:
+    """Return the status with which a connection is refused."""
+    with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+        open_page(address, **arguments)
+    return int(refused.value.status)
 
 
 def ready(page: PageClient) -> PageClient:
