@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Examples that need a driver: what ros2 does, a node of one's own, LEDs, a tune, two robots."""
+"""Examples with a driver: what ros2 does, a node of your own, LEDs, a tune, two robots, a wall."""
 
 import signal
 
@@ -15,7 +15,7 @@ from support.ros import scene
 
 
 @pytest.fixture(scope='module')
-def stage(tmp_path_factory):
+def shared(tmp_path_factory):
     """Return a scene with a robot before a wall, and its driver."""
     with scene(tmp_path_factory.mktemp('examples')) as made:
         made.hero = made.robot(world=parse('start 0 0 0\nwall 0.4 -1 0.4 1', 'wall'))
@@ -42,16 +42,16 @@ def result(stage, *arguments):
     return program.output
 
 
-def test_what_ros2_does_is_done_by_the_example(stage):
-    listed = result(stage, 'ros.py', 'list')
+def test_what_ros2_does_is_done_by_the_example(shared):
+    listed = result(shared, 'ros.py', 'list')
     assert '/odom ' in listed and 'create_oi_msgs/srv/SetMode' in listed
-    echoed = printed(stage, '---', 'ros.py', 'echo', '/mode')
+    echoed = printed(shared, '---', 'ros.py', 'echo', '/mode')
     assert yaml.safe_load(echoed.partition('---')[0])['mode'] == Mode.SAFE
-    full = yaml.safe_load(result(stage, 'ros.py', 'call', '/set_mode', '{mode: 3}'))
-    assert full['success'] is True and stage.hero.create.mode is oi.Mode.FULL
-    assert 'success: true' in result(stage, 'ros.py', 'call', '/set_mode', '{mode: 2}')
+    full = yaml.safe_load(result(shared, 'ros.py', 'call', '/set_mode', '{mode: 3}'))
+    assert full['success'] is True and shared.hero.create.mode is oi.Mode.FULL
+    assert 'success: true' in result(shared, 'ros.py', 'call', '/set_mode', '{mode: 2}')
     assert 'successful: true' in result(
-        stage, 'ros.py', 'set', '/create', 'cmd_vel_timeout', '0.4')
+        shared, 'ros.py', 'set', '/create', 'cmd_vel_timeout', '0.4')
 
 
 MISTYPED = (
@@ -64,61 +64,56 @@ MISTYPED = (
     (['set', '/nobody', 'cmd_vel_timeout', '1.0'], 'no node /nobody is found: see list'))
 
 
-def test_what_is_mistyped_is_said_in_a_line(stage):
-    started = [(stage.example('ros.py', *arguments), why) for arguments, why in MISTYPED]
+def test_what_is_mistyped_is_said_in_a_line(shared):
+    started = [(shared.example('ros.py', *arguments), why) for arguments, why in MISTYPED]
     for program, why in started:
         assert program.ended() == 2
         assert why in program.output and 'Traceback' not in program.output
 
 
-def test_a_node_of_ones_own_turns_away_from_a_wall(stage):
-    printed(stage, 'turned by 1.7', 'own_node.py')
+def test_a_node_of_ones_own_turns_away_from_a_wall(shared):
+    printed(shared, 'turned by 1.7', 'own_node.py')
 
 
-def test_leds_blink(stage):
-    program = stage.example('leds.py')
+def test_leds_blink(shared):
+    program = shared.example('leds.py')
     for led in (oi.LedBits.PLAY, oi.LedBits.ADVANCE, oi.LedBits.PLAY):
-        stage.ros.until(lambda led=led: stage.hero.create.lights[0] == led, led.name)
+        shared.ros.until(lambda led=led: shared.hero.create.lights[0] == led, led.name)
     program.send(signal.SIGINT)
     assert program.ended() == 0, program.output
 
 
 @pytest.mark.nightly
-def test_a_long_tune_is_played(stage):
-    assert 'the tune was played' in result(stage, 'tune.py')
+def test_a_long_tune_is_played(shared):
+    assert 'the tune was played' in result(shared, 'tune.py')
 
 
 @pytest.mark.nightly
-def test_two_robots_drive_a_square_each(tmp_path):
-    with scene(tmp_path) as stage:
-        robots = [stage.program(
-            'create_run', '--ros-args', '-r', f'__ns:=/{name}', '-p', f'odom_frame:={name}/odom',
-            '-p', f'base_frame:={name}/base_footprint') for name in ('robot1', 'robot2')]
-        for robot in robots:
-            stage.ros.until(lambda robot=robot: 'robot answers' in robot.output, 'a robot')
-        program = stage.example('two_robots.py')
-        for count in range(1, 9):
-            stage.ros.until(lambda count=count: len(program.printed) >= count, f'move {count}')
-        assert program.ended() == 0, program.output
+def test_two_robots_drive_a_square_each(stage):
+    robots = [stage.program(
+        'create_run', '--ros-args', '-r', f'__ns:=/{name}', '-p', f'odom_frame:={name}/odom',
+        '-p', f'base_frame:={name}/base_footprint') for name in ('robot1', 'robot2')]
+    for robot in robots:
+        stage.ros.until(lambda robot=robot: 'robot answers' in robot.output, 'a robot')
+    program = stage.example('two_robots.py')
+    for count in range(1, 9):
+        stage.ros.until(lambda count=count: len(program.printed) >= count, f'move {count}')
+    assert program.ended() == 0, program.output
 
 
-# The example that follows a wall: in memory around a room, and as a process at a cliff.
-
-
-def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(tmp_path):
-    with scene(tmp_path) as stage:
-        robot = stage.robot(world=shipped('table'))
-        stage.node(robot.link)
-        odom = stage.ros.listen(Odometry, 'odom')
-        example = stage.example('follow_wall.py')
-        stage.ros.until(lambda: not example.running(), 'the cliff')
-        assert example.ended() == 0
-        assert 'the robot has left Safe mode, ' in example.output
-        assert 'cliff' in example.output
-        robot.soon(lambda: robot.body.place(Pose(0.0, 0.0, 0.0)))
-        # The driver waits until the cliff has been gone for more than a second of frames.
-        seen = len(odom)
-        stage.ros.until(lambda: len(odom) > seen + 100)
-        again = stage.example('follow_wall.py')
-        stage.ros.until(lambda: odom[-1].twist.twist.linear.x > 0.1)
-        assert again.running()
+def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(stage):
+    robot = stage.robot(world=shipped('table'))
+    stage.node(robot.link)
+    odom = stage.ros.listen(Odometry, 'odom')
+    example = stage.example('follow_wall.py')
+    stage.ros.until(lambda: not example.running(), 'the cliff')
+    assert example.ended() == 0
+    assert 'the robot has left Safe mode, ' in example.output
+    assert 'cliff' in example.output
+    robot.soon(lambda: robot.body.place(Pose(0.0, 0.0, 0.0)))
+    # The driver waits until the cliff has been gone for more than a second of frames.
+    seen = len(odom)
+    stage.ros.until(lambda: len(odom) > seen + 100)
+    again = stage.example('follow_wall.py')
+    stage.ros.until(lambda: odom[-1].twist.twist.linear.x > 0.1)
+    assert again.running()
