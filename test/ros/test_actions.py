@@ -88,7 +88,8 @@ class Driving:
     def moving(self, **fields):
         """Start a long drive, and wait until the robot moves."""
         sent = self.send(DriveDistance, 'drive_distance', distance=3.0, **fields)
-        self.ros.until(lambda: self.robot.body.truth().speed > 0.05, 'the robot moves')
+        # Feedback tells that it is this drive, not the end of the one before.
+        self.ros.until(lambda: sent.feedback and self.robot.body.truth().speed > 0.05, 'it moves')
         return sent
 
     @property
