@@ -341,11 +341,11 @@ class Filters:
         `lost`: a part of it may be lost.
         """
         emptied = self._rounding != ROUNDINGS.index(Rounding.CARRY)
-        if reading is None:
-            emptied[:] = True
-        else:
-            self._take_reading(np.array(reading, float), quick=seconds < NEXT, lost=lost)
+        if reading is not None and self._take_reading(
+                np.array(reading, float), quick=seconds < NEXT, lost=lost):
             self.mean[:, HELD] -= reading
+        else:  # how much was lost is not known: nothing of it may be left
+            emptied[:] = True
         self.mean[emptied, HELD] = 0.0
         self.p[emptied, HELD, :] = self.p[emptied, :, HELD] = 0.0
         self._keep_in_range()
@@ -520,8 +520,12 @@ class Filters:
         for state, (value, deviation) in ((ZERO, zero), (SCALE, scale_error)):
             self.mean[:, state], self.p[:, state, state] = value, deviation ** 2
 
-    def _take_reading(self, reading: Array, *, quick: bool, lost: bool) -> None:
-        """Cut the belief in what the accumulators held to what a reading says; weigh all by it."""
+    def _take_reading(self, reading: Array, *, quick: bool, lost: bool) -> bool:
+        """
+        Cut the belief in what the accumulators held to what a reading says; weigh all by it.
+
+        Return False, and believe as before, if it contradicts the wheels and a part may be lost.
+        """
         before, p_before = self.mean.copy(), self.p
         rounds = self._rounding == ROUNDINGS.index(Rounding.ROUND)
         logs = np.zeros(len(self.mean))
@@ -542,7 +546,7 @@ class Filters:
         follow = joint[..., :FREE].sum() / (self.weights[..., :FREE].sum() + 1e-300) * exp(most)
         if lost and follow < NOT_FOLLOWED:
             self.mean, self.p = before, p_before
-            return
+            return False
         self.readings += not quick and bool(self.wheels.moving or reading.any())
         each = self.weights.sum(2, keepdims=True)
         whole = joint.sum(2, keepdims=True)
@@ -559,6 +563,7 @@ class Filters:
         each = each / each.sum() + 1e-7
         self.weights = within * each / each.sum()
         self.followed = self.weights[..., FREE].sum() < 0.5
+        return True
 
 
 def cut(low: Array, high: Array) -> tuple[Array, Array, Array]:

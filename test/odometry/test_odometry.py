@@ -14,6 +14,7 @@ from create_oi_ros.odometry import Estimate, Geometry, Increment, Mover, Odometr
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.world import World
+from odometry_cases import damaged_line
 
 SLOT = 0.015
 
@@ -167,6 +168,10 @@ def test_a_reading_that_was_lost_is_no_held_robot():
     ride.go(0.2, 0.2, 3.0)
     ride.go(0.0, 0.0, 3.0)
     assert ride.off[1] < 0.3
+
+
+def test_what_a_robot_that_carries_has_lost_is_not_missed_by_later_readings():
+    assert damaged_line(Rounding.CARRY, seed=2) < 1.0  # per cent of the way
 
 
 def test_a_reading_after_a_reset_does_not_move_a_robot_that_stands():
