@@ -47,10 +47,7 @@ class Create:
         self.guesses = guesses
         self.period = guesses.frame_period
         """Seconds of a slot, on the robot's clock."""
-        self.mode = Mode.OFF
         self.actuators = ActuatorState(body)
-        self.speaker = Speaker()
-        self.script = b''
         self.commands = 0
         """Complete commands received so far, obeyed or not."""
         self.time = 0.0

@@ -49,15 +49,18 @@ class Uart:
     """The robot's end of the serial line; times are seconds on the robot's clock."""
 
     def __init__(self, *, overrun: bool, buffer: int) -> None:
-        self.baud = DEFAULT_BAUD
         self.host_baud: int | None = None
         """Baud rate of the host; None: always the right one."""
         self._out = bytearray()
-        self._wire_free = 0.0
-        self._paused_until = 0.0
         self._last_onset = -1.0
         self._overrun = overrun
         self._buffer = buffer
+        self.reset(0.0)
+
+    def reset(self, time: float) -> None:
+        """Start again at power-on."""
+        self.baud = DEFAULT_BAUD
+        self._wire_free = self._paused_until = time
 
     def change(self, baud: int, time: float) -> None:
         """Carry out the Baud command."""
@@ -108,11 +111,6 @@ class Uart:
         data = bytes(self._out)
         self._out.clear()
         return data
-
-    def reset(self, time: float) -> None:
-        """Start again at power-on."""
-        self.baud = DEFAULT_BAUD
-        self._wire_free = self._paused_until = time
 
 
 BANNER = (
