@@ -77,11 +77,8 @@ class Body:
         self._electrics.charging_allowed = allowed
 
     def power(self, on: bool) -> None:
-        """Switch the electronics; off, nothing is driven. A charger works either way."""
+        """Switch the electronics, which draw a current; a charger works either way."""
         self._electrics.on = on
-        if not on:
-            self.drive(right=0.0, left=0.0)
-            self.low_side(duty0=0.0, duty1=0.0, duty2=0.0)
 
     def step(self, dt: float) -> None:
         """Let dt seconds pass, computed in steps as small as the physics needs."""
