@@ -111,18 +111,12 @@ def test_a_capture_that_is_cut_short_is_played_up_to_the_cut(tmp_path: Path) -> 
     assert errors.startswith(f'create_sim: {path}: cut short at 0.100 s')
 
 
-@pytest.mark.parametrize('content, words', [
-    (None, 'No such file'), (b'', 'empty'), (b'PK\3\4', 'no capture'),
-    (encode_head({}) + b'\7\0', 'damaged'),
-])
-def test_a_file_that_cannot_be_replayed_is_refused_in_one_line(
-        tmp_path: Path, content: bytes | None, words: str) -> None:
-    if content is not None:
-        (tmp_path / 'c').write_bytes(content)
+def test_a_file_that_cannot_be_replayed_is_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / 'c').write_bytes(encode_head({}) + b'\7\0')
     with simulator('--link', tmp_path / 'create', '--replay', tmp_path / 'c') as sim:
         code, told, errors = sim.ended()
-    assert (code, sim.said, told) == (2 if content is None else 1, '', '')
-    assert words in errors and str(tmp_path / 'c') in errors and 'Errno' not in errors
+    assert (code, sim.said, told) == (1, '', '')
+    assert 'damaged' in errors and str(tmp_path / 'c') in errors and 'Errno' not in errors
     assert errors.count('\n') == 1
 
 
