@@ -125,22 +125,6 @@ def test_what_is_no_bag_of_a_robot_gets_a_sentence(tmp_path):
         assert words in refusal(tmp_path / name)
 
 
-def test_the_intact_part_of_an_unclosed_bag_is_shown(tmp_path):
-    bag = bags.write(tmp_path / 'walk', 40.0)
-    whole = read(bag)
-    file, = bag.glob('*.mcap')
-    file.write_bytes(file.read_bytes()[:-file.stat().st_size // 10])
-    (bag / 'metadata.yaml').unlink()
-    for path in (bag, file):
-        rest = read(path)
-        assert 10.0 < rest.seconds < 40.0
-        assert rest.odom['x'] == whole.odom['x'][:len(rest.odom)]
-        assert rest.events.settings == whole.events.settings
-        assert 'its recorder did not close it' in ' '.join(summary(rest))
-    file.write_bytes(file.read_bytes()[:1000])
-    assert 'when the recorder was killed' in refusal(bag)
-
-
 @pytest.mark.parametrize('value', [nan, inf, -inf, 1e300, -1e300])
 def test_impossible_values_are_left_out(tmp_path, monkeypatch, value):
     honest = bags.twist
