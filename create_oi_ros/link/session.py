@@ -24,7 +24,7 @@ from .port import lasting_name, Port, PortError
 
 READ_TIMEOUT = 0.02
 """Longest wait of a read, in seconds; the driver's timers may be late by as much."""
-RETRY_INTERVAL = 0.25
+RETRY_INTERVAL = 0.5
 """Seconds between attempts to open the port."""
 NAMES_SETTLED = 1.0
 """Seconds after plugging in when a device has all its names."""
