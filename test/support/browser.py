@@ -89,4 +89,4 @@ class OpenPage:
         self.page.goto('about:blank')
         self._context.clear_cookies()
         errors, self.errors = self.errors, []
-        assert errors == []
+        assert not errors, errors
