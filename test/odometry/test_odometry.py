@@ -184,15 +184,6 @@ def test_a_reading_after_a_reset_does_not_move_a_robot_that_stands():
         assert ride.go(0.0, 0.0, SLOT)[:3] == pytest.approx((1.0, 2.0, 0.5), abs=1e-7)
 
 
-def test_after_a_reset_the_robot_is_at_the_origin_and_still_known():
-    ride = Ride().mixed(10, 20.0)
-    known = ride.odometry.knowledge
-    ride.odometry.reset()
-    estimate = ride.go(0.0, 0.0, 0.1)
-    assert (estimate.x, estimate.y, estimate.yaw) == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
-    assert ride.odometry.knowledge.rounding == pytest.approx(known.rounding)
-
-
 def test_a_known_robot_is_followed_from_its_first_second():
     config = replace(DEFAULT_BODY, right_speed_gain=1.04, encoder_sign=EncoderSign.DRIVE)
     known = Ride(config=config).mixed(11, 90.0).odometry.knowledge
