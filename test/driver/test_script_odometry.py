@@ -81,7 +81,7 @@ def test_after_a_script_the_odometry_is_where_the_robot_is(
 
     A wheel that reverses is counted backwards while it brakes, so it must be known how it brakes.
     """
-    played = [play(learned(rounding, begin), script) for begin in range(0, 6, 2)]
+    played = [play(learned(rounding, begin), script) for begin in range(0, len(LESSON), 2)]
     places, headings, _ = zip(*played)
     assert sqrt(fmean(each ** 2 for each in places)) < metres
     assert sqrt(fmean(each ** 2 for each in headings)) < turn
