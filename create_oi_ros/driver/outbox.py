@@ -9,6 +9,7 @@ or when the robot has answered.
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple
 
@@ -92,17 +93,20 @@ CALLED_OFF = 'called off before it was sent: something else stopped the robot'
 LOST = 'the robot was lost before the command was written: try again when it answers'
 
 
-class _Queued(NamedTuple):
+@dataclass(eq=False)
+class _Queued:
     encoded: bytes
     request: Pending
     done: str = ''
     """How the request ends once it is written."""
     rest: float = 0.0
-    """Seconds to leave before it, more than the command before it needs."""
+    """Seconds to leave before it, more than the command before it needs; others pass it."""
     pause: float = 0.0
     """Seconds to leave after it."""
     moves: bool = False
     """Whether it lets the robot move by itself."""
+    due: float = inf
+    """When its rest is over; infinite before the rest begins."""
 
 
 class Outbox:
@@ -138,8 +142,8 @@ class Outbox:
 
     @property
     def busy(self) -> bool:
-        """Whether commands are queued."""
-        return bool(self._queue)
+        """Whether commands are queued, but for one that rests."""
+        return any(not queued.rest for queued in self._queue)
 
     def clear(self, *instead: oi.Command) -> None:
         """Drop all that has not been written, and release commands instead; requests are lost."""
@@ -159,9 +163,15 @@ class Outbox:
         return bool(dropped)
 
     def release(self, now: float) -> None:
-        """Make ready what is due."""
-        while self._queue and now >= self._free_at + self._queue[0].rest:
-            queued = self._queue.popleft()
+        """Make ready what is due; what follows a command that rests passes it."""
+        for queued in tuple(self._queue):
+            if now < self._free_at:
+                return
+            if queued.rest:
+                queued.due = min(queued.due, self._free_at + queued.rest)
+                if now < queued.due:
+                    continue
+            self._queue.remove(queued)
             self._ready += queued.encoded
             self._free_at = now + queued.pause
             self._unconfirmed.append(queued)

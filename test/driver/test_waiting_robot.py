@@ -14,13 +14,14 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
+from create_oi_ros.driver.goals import Dock
 from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, HALT, WAKE_UP
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.actuators import DARK, Lights
 from create_oi_ros.sim.server.faults import DAMAGE_TO_ROBOT, Fault, Faults
 from support.asking import power_cycle
-from support.goals import distance
+from support.goals import distance, start
 from support.loop import Loop, said
 from support.nightly import NIGHTLY, times, UNMEASURED
 from support.robot import GENTLE, Robot
@@ -113,6 +114,19 @@ def test_of_stops_while_the_robot_waits_two_are_sent_and_hold_after_it(queue, wa
     assert not loop.robot.waiting
     assert loop.body.truth().speed == 0
     assert not loop.driver.health(loop.now).suspects_commands
+
+
+@pytest.mark.parametrize('queue', [0, 256])
+@pytest.mark.parametrize('tenths', [5, 6, 8])
+@pytest.mark.parametrize('after', [0.3, 0.4, 0.5, 0.6])
+def test_a_goal_to_dock_goes_on_where_the_robot_answers_in_the_rest_before_it(
+        queue, tenths, after):
+    loop = waiting(tenths, wait_queue=queue)
+    loop.drive(0.3, 0.0, after)
+    goal = start(loop, Dock(0.0))
+    loop.run(4.0)
+    assert goal.outcome is None and loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
+    assert not said(loop, Severity.ERROR, '')
 
 
 @pytest.mark.parametrize('queue', [0, 256])
