@@ -222,14 +222,15 @@ class Odometry:
 
     def _begin_window(self) -> None:
         """Begin a window where the filters are."""
-        f = self.filters
-        if self._gyro is not None:
-            f.take_turn(self._gyro, self._window)
-        f.begin()
-        if self._gyro is not None:
-            if self._gyro.anew:  # it was no gyro that turned the pose
+        f, gyro = self.filters, self._gyro
+        if gyro is None or not gyro.felt.frames:  # a goal may begin with a reading
+            f.begin()
+        else:
+            f.take_turn(gyro, self._window)
+            f.begin()
+            if gyro.anew:  # it was no gyro that turned the pose
                 self._hurry = FREE_TIME
-            self._gyro.learned(*f.gyro, self._window.turn)
+            gyro.learned(*f.gyro, self._window.turn)
             self._begin_gyro()
         self._window = Window(near=self._window.near)
 
