@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from random import Random
 
-from create_oi_ros.odometry import Estimate, Geometry, Increment, Mover, Odometry
+from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry
 from create_oi_ros.robot import SLOT
 from create_oi_ros.sim.body import Body
 from robots import anywhere, centre, Robot
@@ -94,7 +94,7 @@ class Misled(Odometry):
     def update(self, increment: Increment) -> Estimate:
         """Take one frame in."""
         mean, half = ((increment.right + sign * increment.left) / 2 for sign in (1, -1))
-        if increment.mover is Mover.REQUESTS and abs(half) > 0.012 < abs(mean):
+        if abs(half) > 0.012 < abs(mean):
             mean, half = mean / self._parts[0], half / self._parts[1]
         return super().update(increment._replace(
             right=round(mean + half, 3), left=round(mean - half, 3)))

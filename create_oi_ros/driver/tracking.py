@@ -12,7 +12,7 @@ from dataclasses import replace
 from math import inf, isnan, nan
 
 from .. import oi
-from ..odometry import Increment, Knowledge, Mover, Odometry
+from ..odometry import Increment, Knowledge, Odometry
 from ..odometry.estimate import TAUGHT
 from ..oi.readings import ALLOWED
 from ..robot import (
@@ -188,12 +188,13 @@ class Tracking:
         if measured and not self._possible(readings, stamp) and not self.clock.gap:
             self._core.counts.impossible_jumps += 1
             measured = False
-        speeds = self._scripts.speeds(readings)
+        obeys = readings.oi_mode in oi.DriveDirect.modes
+        speeds = self._scripts.speeds(readings) if obeys else None
         right, left = speeds or STANDING
         drops = readings.number('bumps_and_wheel_drops', 0)
         increment = Increment(
             dt=dt, right=right, left=left,
-            mover=self._mover(readings, speeds),
+            by_itself=speeds is None and self._core.state.robot_moves,
             lifted=bool(drops & LIFTED),
             lost=(self.clock.gap and self.odometry.reading_asked or self._reading_dropped
                   or has_distance and not measured),
@@ -211,9 +212,3 @@ class Tracking:
         elapsed, self._read_at = stamp - self._read_at, stamp
         return (abs(readings.distance) <= MAX_SPEED * elapsed * MM_PER_M + DISTANCE_SLACK
                 and abs(readings.angle) <= MAX_TURN_RATE * elapsed + ANGLE_SLACK)
-
-    def _mover(self, readings: oi.Readings, speeds: Speeds | None) -> Mover:
-        """Return who moves the robot: in Passive that is a matter of what the driver does."""
-        if speeds is not None and readings.oi_mode in oi.DriveDirect.modes:
-            return Mover.REQUESTS
-        return Mover.ITSELF if self._core.state.robot_moves else Mover.NOBODY

@@ -11,7 +11,6 @@ from .estimate import (
     Knowledge,
     Known,
     KnownGyro,
-    Mover,
     SignSource,
 )
 from .gyro import GyroState

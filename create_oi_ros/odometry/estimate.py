@@ -4,7 +4,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import auto, Enum
+from enum import Enum
 from math import log, radians
 from typing import NamedTuple
 
@@ -32,27 +32,15 @@ class Geometry:
     a carpet may need 0.002."""
 
 
-class Mover(Enum):
-    """Who moves the robot."""
-
-    REQUESTS = auto()
-    """The wheels obey their requested speeds."""
-    ITSELF = auto()
-    """The robot: in a demo, or while it docks."""
-    NOBODY = auto()
-    """The wheels are at rest, unless somebody pushes."""
-
-
 class Increment(NamedTuple):
     """What one frame says about motion since the frame before."""
 
     dt: float
     """Seconds since the frame before, by the robot's clock."""
     right: float
-    """Requested speed of the right wheel, m/s (packet 41)."""
+    """Requested speed of the right wheel, m/s (packet 41); 0 where wheels do not obey it."""
     left: float
-    """Requested speed of the left wheel, m/s (packet 42)."""
-    mover: Mover = Mover.REQUESTS
+    """Requested speed of the left wheel, m/s (packet 42), likewise."""
     distance: int | None = None
     """Millimetres since it was last asked for (packet 19); None when not asked."""
     angle: int | None = None
@@ -65,6 +53,8 @@ class Increment(NamedTuple):
     """Volts at the analog input (packet 33); None: not known, or no gyro is there."""
     bumped: bool = False
     """Whether the bumper is pressed."""
+    by_itself: bool = False
+    """Whether the robot itself moves its wheels: in a demo, or while it docks."""
 
 
 class Estimate(NamedTuple):

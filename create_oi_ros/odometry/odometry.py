@@ -13,7 +13,7 @@ from math import cos, exp, hypot, sin
 import numpy as np
 
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, SLOT
-from .estimate import Estimate, Geometry, GyroSettings, Increment, Knowledge, Mover
+from .estimate import Estimate, Geometry, GyroSettings, Increment, Knowledge
 from .filters import DEGREE, Filters, Window
 from .gyro import Gyro, GyroState
 from .reading_plan import ReadingPlan
@@ -126,13 +126,12 @@ class Odometry:
     def update(self, increment: Increment) -> Estimate:
         """Take one frame in."""
         dt, w, wheels = increment.dt, self._window, self.filters.wheels
-        request = (increment.right, increment.left) if increment.mover is Mover.REQUESTS else (
-            0.0, 0.0)
+        request = increment.right, increment.left
         far, turn = self._roll(dt, request, lifted=increment.lifted)
         if increment.lifted:
             far = turn = 0.0
         self._lost |= increment.lost or increment.lifted
-        self._doubted |= increment.mover is Mover.ITSELF
+        self._doubted |= increment.by_itself
         measured = False
         if self._gyro is not None:
             turn, measured = self._gyro.turn(

@@ -12,7 +12,7 @@ from random import Random
 import pytest
 
 from create_oi_ros.driver import Settings
-from create_oi_ros.odometry import GyroSettings, Increment, Knowledge, Mover, Odometry
+from create_oi_ros.odometry import GyroSettings, Increment, Knowledge, Odometry
 from create_oi_ros.odometry.gyro import STEP
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import DEFAULT_BODY
@@ -43,7 +43,7 @@ class Ride:
             due, before = self.gyro.reading_due, self.gyro.estimate.yaw
             self.body.step(SLOT)
             increment = Increment(
-                SLOT, right, left, Mover.NOBODY if lifted else Mover.REQUESTS, lifted=lifted,
+                SLOT, right, left, lifted=lifted,
                 distance=self.body.take_distance() if due else None,
                 angle=self.body.take_angle() if due else None,
                 analog=self.volts(self.body.sense().analog * STEP))

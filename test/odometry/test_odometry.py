@@ -10,7 +10,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from create_oi_ros.odometry import Estimate, Geometry, Increment, Mover, Odometry, Rounding
+from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry, Rounding
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.world import World
@@ -30,16 +30,15 @@ class Ride:
         self.slot, self.steps, self.most = slot, [], 0.0
         self._due = [False, False]
 
-    def go(self, right: float, left: float, seconds: float, *, mover: Mover = Mover.REQUESTS,
-           lifted: bool = False, lost: bool = False) -> Estimate:
+    def go(self, right: float, left: float, seconds: float, *, lifted: bool = False,
+           lost: bool = False) -> Estimate:
         """Drive for a while."""
         for _ in range(round(seconds / self.slot)):
-            if mover is Mover.REQUESTS:
-                self.body.drive(right=right, left=left)
+            self.body.drive(right=right, left=left)
             self.body.step(self.slot)
             full = self._due.pop(0)
             estimate = self.odometry.update(Increment(
-                self.slot, right, left, mover, self.body.take_distance() if full else None,
+                self.slot, right, left, self.body.take_distance() if full else None,
                 self.body.take_angle() if full else None, lifted, lost))
             self._due.append(self.odometry.reading_due)
             self.steps.append(estimate)
@@ -130,9 +129,9 @@ def test_held_wheels_are_noticed_by_the_next_reading_and_teach_nothing():
 
 def test_a_robot_that_is_pushed_is_followed_by_its_readings():
     ride = Ride(Rounding.CARRY)
-    ride.go(0.0, 0.0, 2.0, mover=Mover.NOBODY)
+    ride.go(0.0, 0.0, 2.0)
     ride.body.push(speed=0.2, rate=0.3, seconds=3.0)
-    ride.go(0.0, 0.0, 10.0, mover=Mover.NOBODY)
+    ride.go(0.0, 0.0, 10.0)
     assert ride.body.truth().pose.x > 0.3
     assert ride.off[0] < 5.0
     assert ride.off[1] < 0.1
@@ -200,9 +199,9 @@ def test_the_reading_after_counts_began_anew_is_not_used_and_that_after_a_gap_is
     ends = {}
     for name, missed in (('interrupted', (2.0,)), ('recounted', ())):
         odometry = Odometry(window=1.0)
-        odometry.update(Increment(SLOT, 0.0, 0.0, Mover.REQUESTS, 0, 0))
+        odometry.update(Increment(SLOT, 0.0, 0.0, 0, 0))
         getattr(odometry, name)(*missed)
-        odometry.update(Increment(SLOT, 0.0, 0.0, Mover.REQUESTS, 500, 20))
+        odometry.update(Increment(SLOT, 0.0, 0.0, 500, 20))
         for _ in range(600):
             estimate = odometry.update(Increment(SLOT, 0.0, 0.0))
         ends[name] = estimate.x, estimate.yaw
@@ -216,7 +215,7 @@ def test_hurry_asks_for_a_reading_soon():
     for frame in range(200):
         if frame == 150:
             odometry.hurry()
-        odometry.update(Increment(SLOT, 0.0, 0.0, Mover.REQUESTS, *((0, 0) if frame == 3 else ())))
+        odometry.update(Increment(SLOT, 0.0, 0.0, *((0, 0) if frame == 3 else ())))
         asked.append(odometry.reading_due)
     assert True in asked[150:162]
 
@@ -227,8 +226,8 @@ def test_any_input_leaves_finite_numbers(dt):
     for _ in range(60):
         reading = (random.randint(-32768, 32767), random.randint(-32768, 32767))
         estimate = odometry.update(Increment(
-            dt, random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.choice(tuple(Mover)),
+            dt, random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5),
             *(reading if random.random() < 0.3 else (None, None)), random.random() < 0.1,
-            random.random() < 0.1))
+            random.random() < 0.1, by_itself=random.random() < 0.3))
         assert np.isfinite([*estimate[:5], *estimate.pose_covariance]).all()
         assert abs(estimate.yaw) < 1e3 * pi
