@@ -9,7 +9,7 @@ afterwards, in `machine`.
 
 from collections import Counter
 from dataclasses import replace
-from math import inf, isnan, nan
+from math import inf, nan
 
 from .. import oi
 from ..odometry import Increment, Knowledge, Odometry
@@ -199,11 +199,9 @@ class Tracking:
             lost=(self.clock.gap and self.odometry.reading_asked or self._reading_dropped
                   or has_distance and not measured),
             distance=readings.distance if measured else None,
-            angle=readings.angle if measured else None)
-        if self._core.settings.gyro is not None:
-            volts = readings.analog_volts if readings.has('analog_signal') else nan
-            increment = increment._replace(
-                analog=None if isnan(volts) else volts, bumped=bool(drops & BUMPS))
+            angle=readings.angle if measured else None,
+            analog=readings.analog_volts if readings.has('analog_signal') else nan,
+            bumped=bool(drops & BUMPS))
         self._reading_dropped = False
         return increment
 

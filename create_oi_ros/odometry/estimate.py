@@ -5,7 +5,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from math import log, radians
+from math import log, nan, radians
 from typing import NamedTuple
 
 import numpy as np
@@ -49,8 +49,8 @@ class Increment(NamedTuple):
     """Whether a drive wheel hangs down: wheels may turn then, but nothing moves."""
     lost: bool = False
     """Whether a reading before this frame, or in it, may have been lost."""
-    analog: float | None = None
-    """Volts at the analog input (packet 33); None: not known, or no gyro is there."""
+    analog: float = nan
+    """Volts at the analog input (packet 33); NaN: not known."""
     bumped: bool = False
     """Whether the bumper is pressed."""
     by_itself: bool = False

@@ -144,7 +144,7 @@ class Gyro:
         return (self.scale ** 2 * (self._noise + self.zero.deviation ** 2)
                 + (self.rate * self.scale_error.deviation) ** 2)
 
-    def turn(self, dt: float, volts: float | None, rolled: float, *, moved: bool,
+    def turn(self, dt: float, volts: float, rolled: float, *, moved: bool,
              touched: bool) -> tuple[float, bool]:
         """
         Take a frame in; return by how much it turns the pose, rad, and whether the gyro said so.
@@ -176,9 +176,9 @@ class Gyro:
         w = self.felt
         return self.scale * (1 + self.scale_error.value) * (w.volts - self.zero.value * w.seconds)
 
-    def _turn(self, dt: float, volts: float | None) -> float | None:
+    def _turn(self, dt: float, volts: float) -> float | None:
         """Return the turn in a frame, rad; None: the gyro does not tell."""
-        if volts is None:
+        if isnan(volts):
             return None
         if isnan(self._last):
             self._last = self._before = volts

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
 from functools import cache
-from math import degrees, isfinite, pi, radians
+from math import degrees, isfinite, nan, pi, radians
 from random import Random
 
 import pytest
@@ -26,7 +26,7 @@ SEED = 4
 class Ride:
     """A robot with a gyro, and odometries with and without it that read it as asked."""
 
-    def __init__(self, volts: Callable[[float], float | None] = lambda volts: volts, *,
+    def __init__(self, volts: Callable[[float], float] = lambda volts: volts, *,
                  known: Knowledge | None = None, **config) -> None:
         self.body = Body(World(), config=replace(DEFAULT_BODY, gyro=True, **config), seed=SEED)
         self.gyro = Odometry(window=1.0, gyro=GyroSettings(), robot=known)
@@ -152,7 +152,7 @@ FLOATING = Random(1)
     (lambda volts: 5.0, 'beyond its range'),
     (lambda volts: FLOATING.randrange(1024) * STEP, 'jumps'),
     (lambda volts: 2.5 + FLOATING.choice((0, STEP)), 'does not follow'),
-    (lambda volts: None, 'without packet 33'),
+    (lambda volts: nan, 'without packet 33'),
 ], ids=['constant', '0 V', '5 V', 'floating', 'noise only', 'not in the frames'])
 def test_a_gyro_that_cannot_be_right_changes_nothing(volts, why):
     ride = Ride(volts).prove()
