@@ -247,11 +247,9 @@ class Gyro:
         elif self._agreed < PROOFS or off > ASTRAY * abs(wheels):
             self._disagreed += 1
             if self._disagreed >= DISPROOFS:
-                turned_round = wheels * gyro < -wheels * wheels / 2
-                disagreed = 0 if turned_round else self._disagreed
-                if turned_round:
+                self._agreed = 0
+                if wheels * gyro < -wheels * wheels / 2:  # it is mounted upside down
                     self._begin(-self.scale, Known(self.zero.value, ANY_ZERO), ANY_SCALE)
-                self._agreed, self._disagreed = 0, disagreed
 
     def learned(self, zero: Known, scale_error: Known, wheels: float) -> None:
         """Take over what the filters believe at a reading; decide whether it is believed."""
