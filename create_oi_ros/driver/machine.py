@@ -78,9 +78,6 @@ class Driver:
                     self.core.outbox.call_off_motion()
                 case Then.FORGET:
                     self._forget()
-                case Then.FAIL:
-                    self.songs.fail(LOST)
-                    self.modes.fail()
                 case Then.END:
                     self.goals.taken_over(event)
                 case Then.GIVE_BACK | Then.RESTORE:
@@ -89,13 +86,15 @@ class Driver:
                     self.motion.warn_again()
 
     def _forget(self) -> None:
-        """Forget what is known of the robot."""
+        """Forget what is known of the robot, and end what waits for it."""
         self._connection.forget()
         self._tracking.restart()
         self.modes.forget()
         self.motion.resume()
         self.scripts.forget()
         self._unchecked.clear()
+        self.songs.fail(LOST)
+        self.modes.fail()
 
     # What arrives and leaves, and what happened.
 

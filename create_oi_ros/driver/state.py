@@ -130,9 +130,7 @@ class Then(Enum):
     CALL_OFF = auto()
     """What waits to be sent and would let the robot move by itself is dropped."""
     FORGET = auto()
-    """Nothing is known of the robot."""
-    FAIL = auto()
-    """Requests that wait for the robot fail."""
+    """Nothing is known of the robot, and requests that wait for it fail."""
     END = auto()
     """A goal that runs ends, with the code of the event."""
     GIVE_BACK = auto()
@@ -143,30 +141,30 @@ class Then(Enum):
     """A velocity that is refused is a warning again."""
 
 
-STAND, AGAIN, CALL_OFF, FORGET, FAIL, END, GIVE_BACK, RESTORE, WARN = Then
+STAND, AGAIN, CALL_OFF, FORGET, END, GIVE_BACK, RESTORE, WARN = Then
 ___ = None
 CONSEQUENCES: dict[StateEvent, tuple[Then | None, ...]] = {
-    # event              wheels speeds queued    robot   requests goal mode     warnings
-    _E.OPENED:          (STAND, ___,   CALL_OFF, FORGET, FAIL, ___, ___,       ___),
-    _E.PORT_CLOSED:     (STAND, ___,   CALL_OFF, FORGET, FAIL, END, GIVE_BACK, ___),
-    _E.NO_ANSWER:       (STAND, ___,   CALL_OFF, FORGET, FAIL, END, GIVE_BACK, ___),
-    _E.ANSWERED:        (___,   AGAIN, ___,      ___,    ___,  ___, ___,       WARN),
-    _E.RETURNED:        (___,   AGAIN, ___,      ___,    ___,  ___, ___,       WARN),
-    _E.VELOCITY:        (___,   ___,   ___,      ___,    ___,  ___, ___,       ___),
-    _E.HALTED:          (STAND, ___,   ___,      ___,    ___,  ___, ___,       ___),
-    _E.STOPPED:         (STAND, AGAIN, CALL_OFF, ___,    ___,  END, RESTORE,   ___),
-    _E.RESTED:          (STAND, AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
-    _E.MODE_LEFT:       (STAND, AGAIN, CALL_OFF, ___,    ___,  END, GIVE_BACK, WARN),
-    _E.MODE_ENTERED:    (___,   AGAIN, ___,      ___,    ___,  ___, ___,       ___),
-    _E.MODE_SET:        (___,   AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
-    _E.PASSIVE_SET:     (STAND, AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
-    _E.DEMO_STARTED:    (STAND, AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
-    _E.DEMO_ENDED:      (___,   AGAIN, CALL_OFF, ___,    ___,  END, ___,       ___),
-    _E.GOAL_STARTED:    (___,   AGAIN, CALL_OFF, ___,    ___,  ___, ___,       ___),
-    _E.DOCKING_STARTED: (STAND, AGAIN, ___,      ___,    ___,  ___, ___,       ___),
-    _E.GOAL_ENDED:      (STAND, AGAIN, CALL_OFF, ___,    ___,  ___, RESTORE,   ___),
-    _E.SCRIPT_STARTED:  (___,   AGAIN, CALL_OFF, ___,    ___,  ___, ___,       ___),
-    _E.SCRIPT_ENDED:    (___,   AGAIN, CALL_OFF, ___,    ___,  ___, ___,       ___),
+    # event              wheels speeds queued    robot   goal mode       warnings
+    _E.OPENED:          (STAND, ___,   CALL_OFF, FORGET, ___, ___,       ___),
+    _E.PORT_CLOSED:     (STAND, ___,   CALL_OFF, FORGET, END, GIVE_BACK, ___),
+    _E.NO_ANSWER:       (STAND, ___,   CALL_OFF, FORGET, END, GIVE_BACK, ___),
+    _E.ANSWERED:        (___,   AGAIN, ___,      ___,    ___, ___,       WARN),
+    _E.RETURNED:        (___,   AGAIN, ___,      ___,    ___, ___,       WARN),
+    _E.VELOCITY:        (___,   ___,   ___,      ___,    ___, ___,       ___),
+    _E.HALTED:          (STAND, ___,   ___,      ___,    ___, ___,       ___),
+    _E.STOPPED:         (STAND, AGAIN, CALL_OFF, ___,    END, RESTORE,   ___),
+    _E.RESTED:          (STAND, AGAIN, CALL_OFF, ___,    END, ___,       ___),
+    _E.MODE_LEFT:       (STAND, AGAIN, CALL_OFF, ___,    END, GIVE_BACK, WARN),
+    _E.MODE_ENTERED:    (___,   AGAIN, ___,      ___,    ___, ___,       ___),
+    _E.MODE_SET:        (___,   AGAIN, CALL_OFF, ___,    END, ___,       ___),
+    _E.PASSIVE_SET:     (STAND, AGAIN, CALL_OFF, ___,    END, ___,       ___),
+    _E.DEMO_STARTED:    (STAND, AGAIN, CALL_OFF, ___,    END, ___,       ___),
+    _E.DEMO_ENDED:      (___,   AGAIN, CALL_OFF, ___,    END, ___,       ___),
+    _E.GOAL_STARTED:    (___,   AGAIN, CALL_OFF, ___,    ___, ___,       ___),
+    _E.DOCKING_STARTED: (STAND, AGAIN, ___,      ___,    ___, ___,       ___),
+    _E.GOAL_ENDED:      (STAND, AGAIN, CALL_OFF, ___,    ___, RESTORE,   ___),
+    _E.SCRIPT_STARTED:  (___,   AGAIN, CALL_OFF, ___,    ___, ___,       ___),
+    _E.SCRIPT_ENDED:    (___,   AGAIN, CALL_OFF, ___,    ___, ___,       ___),
 }
 """
 What follows from each event, from left to right; where it changes no activity, only `AGAIN`.
