@@ -94,10 +94,7 @@ class Odometry:
         self._split()
         self.filters.place(x, y, yaw)
         self._behind, self._gap = (0.0, 0.0, 0.0), 0.0
-        e = self.estimate
-        self.estimate = Estimate(
-            x=x, y=y, yaw=yaw, right_wheel=e.right_wheel, left_wheel=e.left_wheel, trip=e.trip,
-            trip_variance=e.trip_variance)
+        self.estimate = self.estimate._replace(x=x, y=y, yaw=yaw)
         self._grow()
 
     def start_trip(self) -> None:
