@@ -329,7 +329,7 @@ class Driver:
     def _check_slow(self, readings: oi.Readings, now: float) -> None:
         """Check what changes within seconds: battery, dock, what is known of the robot."""
         self._battery.observe(readings, now)
-        self._tracking.report_robot(now)
+        self._tracking.report_robot()
         was_on_dock, pose = self._on_dock, self.settings.dock_pose
         self._on_dock = docked(readings) and self.state.activity is not Activity.GOAL
         if pose is not None and self._on_dock and not was_on_dock:

@@ -103,8 +103,6 @@ def _unlike_the_manual(name: str, value: int) -> str:
             f'{"not known" if meant is None else meant} and goes on; please report it')
 
 
-REPORT_INTERVAL = 5.0
-"""Seconds between two looks at what the odometry has learned."""
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
 """A wheel that hangs does not move the robot, whatever it counts."""
 STANDING: Speeds = (0.0, 0.0)
@@ -124,7 +122,6 @@ class Tracking:
         self._scripts = scripts
         self._reported = None if robot is None else robot.likeliest
         """What the user was told of the robot, or has told the driver."""
-        self._report_at = 0.0
         self.odd = OddValues(core)
         self._read_at = -inf
         """When the newest distance and angle left the robot, s; -inf: frames were missed since."""
@@ -141,11 +138,8 @@ class Tracking:
         known = self.odometry.knowledge
         return None if known is None else replace(known, frame_period=self.clock.known_period)
 
-    def report_robot(self, now: float) -> None:
+    def report_robot(self) -> None:
         """Report a robot that has become known, or that is another than was thought."""
-        if now < self._report_at:
-            return
-        self._report_at = now + REPORT_INTERVAL
         robot, before = self.robot, self._reported
         if (robot is None or not robot.certain or robot.readings < TAUGHT
                 or robot.likeliest == before):
