@@ -123,10 +123,9 @@ class Connection:
         return now - self.present_at > MAX_ABSENCE
 
     def forget(self) -> None:
-        """Forget how well the line works: no robot answers."""
+        """Forget what the robot was asked for, and whether it listens: it does not answer."""
         self.plan.asked = None
         self._core.listening.trust()
-        self._counted_from = None
 
     # What arrives.
 
