@@ -54,7 +54,6 @@ class Odometry:
         self._begin_gyro()
         self._plan = ReadingPlan(window)
         self._window = Window()
-        self._request: Speeds = (0.0, 0.0)
         self._discard = True
         """Whether the next reading holds what came before."""
         self._lost = self._doubted = False
@@ -153,12 +152,11 @@ class Odometry:
         far = turn = 0.0
         # Where frames were lost, the wheels ran as requested before until the last slot.
         missed = dt - SLOT if dt > LOST else 0.0
-        for seconds, asked in ((missed, self._request), (dt - missed, request)):
+        for seconds, asked in ((missed, wheels.request), (dt - missed, request)):
             if not seconds:
                 continue
-            if asked != self._request:
+            if asked != wheels.request:
                 w.change(asked)
-                self._request = asked
             ways = wheels.roll(seconds, asked, lifted=lifted)
             w.step(seconds, rolling=wheels.moving)
             more, bent = self.filters.motion(ways, seconds, kept=w.kept)

@@ -50,7 +50,8 @@ class Wheels:
         """Whether a wheel turns, and whether all run as requested."""
         self.goal = np.zeros(2)
         """m/s that the wheels are pulled to."""
-        self._request: Speeds = (0.0, 0.0)
+        self.request: Speeds = (0.0, 0.0)
+        """What was asked for last."""
         self._delayed: list[tuple[float, Speeds]] = []
         """Requests that have no effect yet, with the seconds until they have."""
         self._begun_at = np.zeros(2)
@@ -89,8 +90,8 @@ class Wheels:
 
     def roll(self, dt: float, request: Speeds, *, lifted: bool = False) -> Speeds:
         """Let a frame pass; return the metres by which the wheels, as believed, have rolled."""
-        if request != self._request:
-            self._request, self._settled = request, False
+        if request != self.request:
+            self.request, self._settled = request, False
             self._delayed.append((float(self.numbers[-1]), request))
             self._against[1:] -= self._speed_against()[1:]
             sign = np.sign(request)
