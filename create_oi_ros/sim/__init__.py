@@ -5,5 +5,24 @@ A simulated Create: the robot's side of the Open Interface.
 
 `world` is the room, `body` the robot's mechanics and battery in it, `firmware` what the robot
 does with each byte, `server` the pty or TCP port that other programs open. All but `server` are
-pure: time is an argument, random numbers come from a seed, and nothing is read or written.
+pure: time is an argument, random numbers come from a seed, and nothing is read or written. What
+several of them use is here.
 """
+
+import math
+
+LONGEST = 40
+"""Characters of a wrong word that an error repeats: a file may hold anything."""
+TOLERANCE = 1e-6
+"""Seconds by which a sum of floats may fall short of the time it stands for."""
+
+
+def number(text: str) -> float:
+    """Return the finite number that a text is; ValueError for any other text."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f'{text[:LONGEST]!r} is not a number')
+    return value

@@ -11,8 +11,8 @@ from ...oi import DriverBits, LedBits, Note, NOTES_PER_SECOND, OutputBits, REST,
 from ...oi.commands import DUTY, wheel_speeds, WheelSpeeds
 from ...oi.script import STANDING
 from ...robot import BODY_RADIUS, MM_PER_M
+from .. import TOLERANCE
 from ..body import Body
-from ..numbers import TOLERANCE
 
 
 class Lights(NamedTuple):

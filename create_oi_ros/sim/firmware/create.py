@@ -20,9 +20,9 @@ from random import Random
 from ... import oi
 from ...oi import Mode
 from ...oi.commands import ACTUATORS, INPUTS, WAITS
+from .. import TOLERANCE
 from ..body import Body
 from ..body.sensed import Sensed
-from ..numbers import TOLERANCE
 from . import script_waits as scripts
 from . import sensing
 from .actuators import ActuatorState, DARK, Lights, Speaker, STANDING

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from enum import Enum
 import math
 from typing import Any
 
@@ -19,8 +20,8 @@ from ...oi.commands import RADIUS
 from ...oi.declaration import Tail
 from ...oi.readings import SPEED
 from ...robot import SLOT
+from .. import LONGEST, number
 from ..body.config import BodyConfig, DEFAULT_BODY
-from ..numbers import guess_defaults, guessed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,22 +87,46 @@ TIME_CONSTANT = {
 
 def parse_guesses(texts: Sequence[str]) -> tuple[BodyConfig, Guesses]:
     """Read 'name=value' texts about body and firmware; ValueError says what is allowed."""
-    of_body, of_firmware = guess_defaults(BodyConfig), guess_defaults(Guesses)
+    of_body, of_firmware = _defaults(BodyConfig), _defaults(Guesses)
     body: dict[str, Any] = {}
     firmware: dict[str, Any] = {}
     constant = DEFAULT_BODY.time_constant
     for text in texts:
         name, _, value = text.partition('=')
         if name in of_body:
-            body[name] = guessed(name, value, of_body[name])
+            body[name] = _guessed(name, value, of_body[name])
         elif name in of_firmware:
-            firmware[name] = guessed(name, value, of_firmware[name])
+            firmware[name] = _guessed(name, value, of_firmware[name])
         elif name in TIME_CONSTANT:
-            constant = constant._replace(**{TIME_CONSTANT[name]: guessed(name, value, 0.0)})
+            constant = constant._replace(**{TIME_CONSTANT[name]: _guessed(name, value, 0.0)})
         else:
             known = (*of_firmware, *of_body, *TIME_CONSTANT)
             raise ValueError(f'no guess {name!r}; allowed: {", ".join(known)}')
     return BodyConfig(time_constant=constant, **body), Guesses(**firmware)
+
+
+def _defaults(guesses: type) -> dict[str, Any]:
+    """Return the fields of a dataclass that can be given as text, and their defaults."""
+    return {field.name: field.default for field in fields(guesses)
+            if isinstance(field.default, bool | int | float | Enum)}
+
+
+def _guessed(name: str, text: str, default: Any) -> Any:
+    """Return the value of a guess, of its default's type; ValueError says what is allowed."""
+    kind = type(default)
+    allowed: dict[str, Any]
+    if issubclass(kind, Enum):
+        allowed = {str(each.value): each for each in kind}
+    elif kind is bool:
+        allowed = {'0': False, 'false': False, '1': True, 'true': True}
+    else:
+        try:
+            return kind(number(text)) if kind is float else kind(text)
+        except ValueError:
+            raise ValueError(f'{name}: {text[:LONGEST]!r} is not a number') from None
+    if text not in allowed:
+        raise ValueError(f'{name}={text}; allowed: {", ".join(allowed)}')
+    return allowed[text]
 
 
 def accepted_command(command: Command, guesses: Guesses) -> Command | None:

@@ -19,9 +19,9 @@ import socket
 import stat
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from .. import number, TOLERANCE
 from ..body.sensed import RANGES
 from ..firmware import Create
-from ..numbers import number, TOLERANCE
 from ..world import Pose
 from ..world.floor_plan import outlines
 from .faults import Fault, Faults

@@ -27,7 +27,7 @@ from random import Random
 import re
 
 from ...robot import SLOT
-from ..numbers import TOLERANCE
+from .. import TOLERANCE
 
 MOST_GARBAGE = 20
 """Bytes at once."""

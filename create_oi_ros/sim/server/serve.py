@@ -15,8 +15,8 @@ import select
 import time
 
 from ...oi import Baud, BaudCode, BITS_PER_BYTE
+from .. import TOLERANCE
 from ..firmware import Create
-from ..numbers import TOLERANCE
 from .control import ControlPort, Interpreter
 from .faults import FaultKind, Faults
 from .lines import Line

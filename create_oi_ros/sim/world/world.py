@@ -26,7 +26,7 @@ from importlib import resources
 import math
 from typing import NamedTuple
 
-from ..numbers import LONGEST, number
+from .. import LONGEST, number
 from .geometry import chain, Disc, LineSegment, Obstacle, Point, Polygon
 
 PLATE = 0.1
