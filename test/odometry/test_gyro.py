@@ -6,6 +6,7 @@ from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
 from functools import cache
+from itertools import cycle
 from math import degrees, isfinite, nan, pi, radians
 from random import Random
 
@@ -203,6 +204,12 @@ def test_another_pose_is_where_it_goes_on():
     assert ride.gyro.estimate[:3] == (1.0, 2.0, 0.5)
     ride.go(3.0, 0.0, 1.0).go(2.0)
     assert ride.gyro.estimate.yaw - 0.5 == pytest.approx(ride.body.truth().turned - was, abs=0.03)
+
+
+def test_frames_without_the_voltage_do_not_end_the_belief_in_a_gyro():
+    missing = cycle((True, *19 * (False,)))
+    ride = Ride(lambda volts: nan if next(missing) else volts).prove()
+    assert ride.gyro.gyro.believed and all(map(isfinite, ride.gyro.estimate.pose_covariance))
 
 
 @pytest.mark.parametrize('part', [0.56, 1.5, 0.75])
