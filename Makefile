@@ -7,7 +7,7 @@
 #   make run             a simulated robot, its driver and web page; PORT=/dev/ttyUSB0: a real robot;
 #   make run             with ARGS='--ros-args -p NAME:=VALUE'; ARGS='--host 0.0.0.0': for phones
 #   make demo            a tour of a simulated robot, recorded and reported on: three minutes
-#   make test            build, lint and test, six or seven minutes; ARGS='FILE -k NAME' runs some tests
+#   make test            build, lint and test, about four minutes; ARGS='FILE -k NAME' runs some tests
 #   make build           the same as make
 #   make nightly         all that takes long: hours; SHARE=0.1: a tenth of it; ARGS as above
 #   make lint            ruff and mypy

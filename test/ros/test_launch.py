@@ -230,10 +230,12 @@ def test_other_launch_files_include_these(ros2, ports, monkeypatch):
     places = (*simulated, '/hall', '/robot1')
     wait_for_nodes(ros2, *(f'{place}/{node}' for place in places
                            for node in ('create', 'create_cmd_vel')))
-    topics = {name for name, _ in ros2.stage.ros.node.get_topic_names_and_types()}
-    assert {f'{place}/odom' for place in places} <= topics
-    assert {'/house/kitchen/wheels', '/red/tf', '/tf'} <= topics
-    assert not {'/house/kitchen/cmd_vel', '/deep/blue/tf'} & topics
+    there = {*(f'{place}/odom' for place in places), '/house/kitchen/wheels', '/red/tf', '/tf'}
+
+    def topics() -> set[str]:
+        return {name for name, _ in ros2.stage.ros.node.get_topic_names_and_types()}
+    ros2.stage.ros.until(lambda: there <= topics())
+    assert not {'/house/kitchen/cmd_vel', '/deep/blue/tf'} & topics()
     for place in simulated:
         assert port_of(place, ros2.stage.domain).is_symlink()
     assert parameters(ros2, '/hall/create', 'port', 'odom_frame') == [hall, 'hall']

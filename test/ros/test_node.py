@@ -118,8 +118,8 @@ def test_velocities_drive_whatever_all_is_called_and_a_signal_stops_the_wheels(s
         velocity.publish(Twist(linear=Vector3(x=0.2)))
         return robot.body.truth().speed > 0.1
     stage.ros.until(drives)
-    names = stage.ros.node.get_node_names_and_namespaces()
-    assert {('mine', '/robot1'), ('mine_cmd_vel', '/robot1')} <= set(names)
+    stage.ros.until(lambda: {('mine', '/robot1'), ('mine_cmd_vel', '/robot1')} <= {
+        *stage.ros.node.get_node_names_and_namespaces()})
     assert robot.body.truth().speed > 0.1
     node.send(signal.SIGTERM)  # nightly: all signals
     assert node.ended() == 0
