@@ -140,7 +140,8 @@ def test_stop_and_reset_odometry(ready):
     ready.ros.until(lambda: odom[-1].twist.twist.linear.x == 0)
     assert odom[-1].pose.pose.position.x < 1.5, 'stopped before the timeout, which is after 2 m'
     ready.ask(Trigger, 'reset_odometry')
-    ready.ros.until(lambda: abs(odom[-1].pose.pose.position.x) < 1e-9)
+    # Exactly 0 until the next reading, which a busy computer may have taken in.
+    ready.ros.until(lambda: abs(odom[-1].pose.pose.position.x) < 1e-6)
     place = Pose(position=Point(x=1.0, y=2.0), orientation=Quaternion(z=1.0, w=0.0))
     assert 'x 1 m, y 2 m, yaw 3.14' in ready.ask(ResetPose, 'reset_pose', pose=place)
     ready.ros.until(lambda: odom[-1].pose.pose.position.y == pytest.approx(2, abs=0.001))
