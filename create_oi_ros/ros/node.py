@@ -174,7 +174,10 @@ class CreateNode(Node):
                 self._frames.repeat()
         self._actions.check_clients()
         self._check_time()
-        self._publish_diagnostics()
+        if self._diagnostics.get_subscription_count() and self._stamps.now() is not None:
+            self._publish_diagnostics()
+        else:
+            self._counts = replace(self.session.driver.counts)
 
     def _check_time(self) -> None:
         """Publish a mode that waited for the time; warn while there is none."""
@@ -191,7 +194,6 @@ class CreateNode(Node):
                 'commands are followed. Start what publishes /clock, or leave use_sim_time out')
 
     def _publish_diagnostics(self) -> None:
-        """Publish the diagnostics; nothing without a time."""
         health = self.session.health()
         message = topics.DIAGNOSTICS.type(status=[
             diagnostics.serial_link(
@@ -204,9 +206,8 @@ class CreateNode(Node):
             status.name = f'{self.get_fully_qualified_name().lstrip("/")}: {status.name}'
             status.hardware_id = self._hardware_id
         self._counts = health.counts
-        if (now := self._stamps.now()) is not None:
-            message.header.stamp = Time(nanoseconds=now).to_msg()
-            self._diagnostics.publish(message)
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(message)
 
     def _log(self, notice: Notice) -> None:
         if self.capture is not None:
