@@ -30,7 +30,7 @@ from create_oi_ros.ros.messages import filled
 from create_oi_ros.ros.waiting import say_if_waiting, waits_for
 
 WAIT, LONGEST_WAIT = 3.0, 10.0
-"""Seconds in which most others are found, and answer; on a busy computer."""
+"""Seconds in which others answer, and all are found once one is; in which one is, at most."""
 
 
 def found(node: Node, services: bool) -> dict[str, str]:
@@ -96,6 +96,7 @@ def main() -> None:
     node = rclpy.create_node('ros')
     match given.what, given.names:
         case 'list', []:
+            awaited(lambda: len(node.get_node_names()) > 1)  # one is this program itself
             time.sleep(WAIT)
             for services in (False, True):
                 for name, kind in sorted(found(node, services).items()):
