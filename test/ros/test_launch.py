@@ -82,7 +82,8 @@ def ends_quietly(launch: Launch) -> None:
     """Press Ctrl-C; no driver has seen a mistake, and they end well, as their robots do."""
     assert not MISTAKE.findall(launch.output)
     launch.interrupt()
-    assert not re.search(r'\[create_(node|sim)-\d+\]: process has died', launch.output)
+    died = re.search(r'\[create_(node|sim)-\d+\]: process has died', launch.output)
+    assert not died, launch.output
 
 
 def test_the_launches_that_are_tested_are_documented():
