@@ -258,8 +258,8 @@ def test_what_the_tape_says_becomes_the_scales(check):
         return line.loop.body.truth().pose.x * 1.03
 
     def beyond(line):  # what it reports, and ten degrees more in each direction
-        turned = line.notebook.turned - (start[0] if start else 0.0)
-        start[:] = [line.notebook.turned]
+        turned = line.notebook.estimate.trip[1] - (start[0] if start else 0.0)
+        start[:] = [line.notebook.estimate.trip[1]]
         return abs(degrees(turned)) - 1080 + 10
     found, _, _ = check('y', came, beyond, beyond)
     assert found['linear_scale'] == pytest.approx(1.03, abs=0.01)

@@ -28,7 +28,6 @@ from .questions import (
     by_tape,
     in_lines,
     Person,
-    progress,
     tell,
 )
 from .robot_line import RobotLine
@@ -74,14 +73,16 @@ def _guide(line: RobotLine, person: Person) -> tuple[list[Finding], Health, dict
         person.confirm(f'Step {number} of {len(STEPS)} ({seconds:.0f} s): {step.about}')
         for done, move in enumerate(step.moves, 1):
             _make(move, line, person)
-            progress(done, len(step.moves))
-    return seen, line.health(), by_tape(line, person)
+            if sys.stdout.isatty():
+                print(f'\r  {done} of {len(step.moves)}',
+                      end='\n' if done == len(step.moves) else '', flush=True)
+    return seen, line.session.health(), by_tape(line, person)
 
 
 def _to_the_floor(line: RobotLine, person: Person) -> None:
     """See that the robot stands on the floor, in Safe mode."""
     outcome = line.enter(oi.Mode.SAFE)
-    if line.health().readings.charging_sources:
+    if line.session.health().readings.charging_sources:
         if person.absent:
             tell('It backs off its dock.')
             line.make(OFF_THE_DOCK)

@@ -9,8 +9,8 @@ that turns further than it reports has wheels that are closer together than assu
 """
 
 from contextlib import suppress
+from functools import partial
 from math import degrees, isfinite, tau
-import sys
 
 from ... import oi
 from ...driver.battery import charges
@@ -37,6 +37,7 @@ SIDES = {'left': Move((Segment(TURNING, SPEED, -SPEED),), Reads.END),
          'right': Move((Segment(TURNING, -SPEED, SPEED),), Reads.END)}
 PLAUSIBLE = 0.2
 """Largest correction that is believed; a larger one is a mistake in measuring."""
+tell = partial(print, flush=True)
 
 
 class Person:
@@ -48,7 +49,7 @@ class Person:
     def confirm(self, text: str) -> None:
         """Wait until the person has read a text and pressed Enter."""
         if self.absent:
-            print(text, flush=True)
+            tell(text)
         else:
             self._ask(f'{text} - Enter: ')
 
@@ -83,13 +84,13 @@ def about_banner(line: RobotLine, person: Person) -> Finding:
     person.confirm('Switch the robot off and on again, if you want to know what it says then')
     line.until(lambda health: health.answered, BOOT)
     found = banner_in(bytes(line.heard))
-    restarted = line.health().counts.silences > 0
+    restarted = line.session.health().counts.silences > 0
     return found if restarted else not_seen
 
 
 def about_dock(line: RobotLine) -> Finding:
     """Say what the robot does on its dock, if it stands there."""
-    readings = line.health().readings
+    readings = line.session.health().readings
     if not readings.has('charging_sources') or not readings.charging_sources:
         return Finding('Passive on the dock', 'not looked at: it was not on its dock',
                        'nothing')
@@ -140,11 +141,11 @@ def in_lines(found: dict[str, float]) -> list[str]:
 def _distance(line: RobotLine, person: Person) -> float | None:
     """Return true over reported distance; None: it was not measured."""
     person.confirm('Mark where the front of the robot is. It drives a metre straight ahead')
-    before = line.notebook.travelled
+    before, _ = line.notebook.estimate.trip
     if not line.make(AHEAD):
         tell(f'Not measured: {line.runner.disturbance}')
         return None
-    reported = line.notebook.travelled - before
+    reported = line.notebook.estimate.trip[0] - before
     scale = _corrected(person, 'How many metres did it come?', reported)
     person.confirm('It drives back')
     line.make(BACK)
@@ -156,11 +157,11 @@ def _angle(line: RobotLine, person: Person) -> float | None:
     measured = reported = 0.0
     for side, move in SIDES.items():
         person.confirm(f'Mark where the robot looks. It turns {TURNS} times to the {side}')
-        before = line.notebook.turned
+        _, before = line.notebook.estimate.trip
         if not line.make(move):
             tell(f'Not measured: {line.runner.disturbance}')
             return None
-        turned = abs(degrees(line.notebook.turned - before))
+        turned = abs(degrees(line.notebook.estimate.trip[1] - before))
         scale = _corrected(
             person, f'By how many degrees did it turn beyond the mark, to the {side}? '
             'Negative: it stands before it', turned, 360 * round(turned / 360))
@@ -179,14 +180,3 @@ def _corrected(person: Person, question: str, reported: float, whole: int = 0) -
         tell(f'That would be a correction by {scale:.2f}; allowed is up to {PLAUSIBLE:.0%}. Is it '
              'in the right unit, with the right sign?')
     return None
-
-
-def tell(text: str) -> None:
-    """Print a line at once."""
-    print(text, flush=True)
-
-
-def progress(done: int, of: int) -> None:
-    """Show how far a step has come, on a terminal."""
-    if sys.stdout.isatty():
-        print(f'\r  {done} of {of}', end='\n' if done == of else '', flush=True)

@@ -9,7 +9,7 @@ The robot of a check: it does moves, one at a time, and nothing may disturb them
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from itertools import cycle
-from math import cos, inf, remainder, sin, tau
+from math import inf
 import threading
 import time
 
@@ -37,8 +37,6 @@ LIMITS = MotionLimits(linear_acceleration=0.0, angular_acceleration=0.0)
 """None on accelerations: steps show most of a robot."""
 TELLING = 0.8
 """Seconds after a request in which readings are frequent."""
-PENDING = 8 * SLOT
-"""Seconds within which a reading that was asked for arrives, or is asked for again."""
 MOST_LOOKS = 30
 """Readings before a move after which it begins though they are not zero."""
 TURN = 0.02
@@ -51,48 +49,37 @@ Steps = Generator[None, None, None]
 class Notebook(Odometry):
     """Takes the place of the driver's odometry: learns as ever, but asks for readings as told."""
 
+    reading_due = False
+    """Whether the next frame should carry distance and angle."""
+
     def __init__(self) -> None:
         super().__init__(window=1.0, gyro=GyroSettings())
-        self.reading: Increment | None = None
+        self.reading = Increment(0.0, 0.0, 0.0)
         """The newest frame that had a reading."""
         self.seconds = 0.0
         """The robot's time since the first frame."""
-        self.travelled = self.turned = 0.0
-        """Metres ahead and radians to the left since the first frame."""
         self._intervals: Iterator[int] = iter(())
-        self._every = self._since = 0
-        self._due = False
-
-    @property
-    def reading_due(self) -> bool:
-        """Whether the next frame should carry distance and angle."""
-        return self._due
+        self._wait = 0
+        """Frames until a reading is due by itself; 0 or less: none is."""
 
     def ask(self, intervals: tuple[int, ...] = ()) -> None:
-        """Ask for a reading, and for others so many frames apart, in turn."""
+        """Ask for a reading until one comes, and for others so many frames apart, in turn."""
         self._intervals = cycle(intervals)
-        self._every, self._since, self._due = next(self._intervals, 0), 0, True
+        self._wait, self.reading_due = next(self._intervals, 0), True
 
     def ask_no_more(self) -> None:
         """Ask for no more readings."""
-        self._every, self._due = 0, False
+        self._wait, self.reading_due = 0, False
 
     def update(self, increment: Increment) -> Estimate:
         """Take one frame in."""
         if increment.distance is not None:
-            self.reading = increment
+            self.reading, self.reading_due = increment, False
         self.seconds += increment.dt
-        self._since += 1
-        missed = self._due and increment.distance is None  # the driver had not looked yet
-        self._due = bool(self._every) and self._since >= self._every
-        if self._due:
-            self._every, self._since = next(self._intervals), 0
-        self._due |= missed
-        before, after = self.estimate, super().update(increment)
-        self.travelled += ((after.x - before.x) * cos(before.yaw)
-                           + (after.y - before.y) * sin(before.yaw))
-        self.turned += remainder(after.yaw - before.yaw, tau)
-        return after
+        self._wait -= 1
+        if self._wait == 0:
+            self._wait, self.reading_due = next(self._intervals), True
+        return super().update(increment)
 
 
 class Runner:
@@ -150,16 +137,12 @@ class Runner:
         yield from self._read()
 
     def _read(self) -> Generator[None, None, Increment]:
-        """Ask for a reading, again where none comes, and return it."""
-        notebook = self._notebook
-        before = notebook.reading
-        while True:
-            notebook.ask()
-            asked_at = notebook.seconds
-            while notebook.seconds - asked_at <= PENDING:
-                if notebook.reading is not None and notebook.reading is not before:
-                    return notebook.reading
-                yield
+        """Ask for a reading, and return it."""
+        before = self._notebook.reading
+        self._notebook.ask()
+        while self._notebook.reading is before:
+            yield
+        return self._notebook.reading
 
     def _drive(self, segment: Segment) -> None:
         right, left = segment.right, segment.left
@@ -189,8 +172,6 @@ class RobotLine:
         self.notebook = Notebook()
         self.heard = bytearray()
         """What the robot says, to look for a banner."""
-        self._answered = False
-        """Whether a robot has ever answered."""
         self.lost = threading.Event()
         """Set when the session has ended by itself."""
         self.capture = Capture(
@@ -211,7 +192,8 @@ class RobotLine:
     def _on_event(self, event: DriverEvent) -> None:
         if isinstance(event, Notice):
             self.capture.add(RecordKind.NOTE, f'{event.severity.name.lower()}: {event.text}')
-            if event.severity is not Severity.INFO and self._answered and not self.runner.busy:
+            answered = bool(self.notebook.seconds)
+            if event.severity is not Severity.INFO and answered and not self.runner.busy:
                 print(f'  ({event.text})', flush=True)
 
     @contextmanager
@@ -223,18 +205,14 @@ class RobotLine:
         finally:
             self.session.close()
             self.capture.close()
-            if not self._answered:
+            if not self.notebook.seconds:
                 self.capture.path.unlink(missing_ok=True)  # nothing of a robot is in it
 
-    def health(self) -> Health:
-        """Return what is known now."""
-        return self.session.health()
-
-    def until(self, happened: Callable[[Health], bool], seconds: float = inf) -> bool:
+    def until(self, happened: Callable[[Health], object], seconds: float = inf) -> bool:
         """Wait until something is the case; False: not in time. UserError: the line has failed."""
         end = time.monotonic() + seconds
         while not self.lost.is_set():
-            if happened(self.health()):
+            if happened(self.session.health()):
                 return True
             if time.monotonic() > end:
                 return False
@@ -243,12 +221,11 @@ class RobotLine:
 
     def wait_for_robot(self) -> None:
         """Wait until the robot answers; UserError: it does not."""
-        def settled(health: Health) -> bool:
-            self._answered = health.answered and bool(self.notebook.seconds)
-            return self._answered or self.session.port is None and bool(health.line_problem)
-        self.until(settled, ANSWER)
-        if not self._answered:
-            raise UserError(self.health().line_problem or (
+        def settled(health: Health) -> object:
+            return health.answered and self.notebook.seconds or (
+                self.session.port is None and health.line_problem)
+        if not (self.until(settled, ANSWER) and self.notebook.seconds):
+            raise UserError(self.session.health().line_problem or (
                 f'no robot answers at {self.session.url} within {ANSWER:.0f} s: is it switched '
                 'on, and the cable in?'))
 
