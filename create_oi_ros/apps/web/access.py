@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from ipaddress import ip_address
 import json
-from typing import Any, NamedTuple
+from typing import Any
 from urllib.parse import urlsplit
 
 from ...robot import TOP_SPEED, WHEEL_SEPARATION
@@ -70,34 +70,8 @@ def names_this_computer(header: str) -> bool:
         return False
 
 
-class MessageBudget:
-    """Limits how often a page sends messages: RATE a second, and BURST at once."""
-
-    def __init__(self, now: float) -> None:
-        """Begin with a full budget."""
-        self._left, self._at = BURST, now
-
-    def spend(self, now: float) -> bool:
-        """Count a message; return whether it is within the limit."""
-        self._left = min(BURST, self._left + (now - self._at) * RATE)
-        self._at = now
-        if self._left < 1:
-            return False
-        self._left -= 1
-        return True
-
-
 class Refused(Exception):
     """A viewer may not do this now; the message says why and what to do."""
-
-
-class PageMessage(NamedTuple):
-    """A message that is as it should be."""
-
-    type: str
-    fields: Mapping[str, Any]
-    request: Any = None
-    """For an action or a service: what is sent to it."""
 
 
 def read(text: str) -> tuple[str, dict[str, Any]]:
@@ -114,11 +88,11 @@ def read(text: str) -> tuple[str, dict[str, Any]]:
     return type_, found
 
 
-def checked(type_: str, fields: Mapping[str, Any]) -> PageMessage:
-    """Return a message whose fields are as they should be; Refused: what is wrong."""
+def checked(type_: str, fields: Mapping[str, Any]) -> Any:
+    """Return the request or goal of these fields, or those of MESSAGES; Refused: why not."""
     if type_ in MESSAGES:
         _check(type_, fields)
-        return PageMessage(type_, fields)
+        return fields
     wanted = SERVICE_TYPES[type_].Request if type_ in CALLS else ACTION_TYPES[type_].Goal
     try:
         request = filled(wanted(check_fields=True), fields, type_)
@@ -126,7 +100,7 @@ def checked(type_: str, fields: Mapping[str, Any]) -> PageMessage:
         raise Refused(str(error)) from None
     if type_ in ACTION_TYPES and (why := malformed(type_, request)):
         raise Refused(f'{type_}: {why}')
-    return PageMessage(type_, fields, request)
+    return request
 
 
 def _check(type_: str, found: Mapping[str, Any]) -> None:
@@ -193,9 +167,7 @@ class DriverSeat:
 
     def release(self, viewer: int) -> bool:
         """Let the stick go; return whether the wheels must stop now."""
-        if viewer != self.viewer:
-            return False
-        return self._end()
+        return viewer == self.viewer and self._end()
 
     def stop(self) -> None:
         """Stop, whoever asks; the stick must be let go before it drives again."""

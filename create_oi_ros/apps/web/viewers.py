@@ -19,14 +19,14 @@ from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from ...ros.driver_client import Reply
 from ...ros.topics import CMD_VEL
 from .access import (
+    BURST,
     CALLS,
     checked,
     DriverSeat,
     LONGEST_MESSAGE,
-    MessageBudget,
     MOST_VIEWERS,
     OLDEST_VIEW,
-    PageMessage,
+    RATE,
     read,
     Refused,
     TOP_TURN,
@@ -61,11 +61,19 @@ class Viewer:
         self.page = request.query.get('page')
         """A name that a page gives itself, so that it is known when it connects again."""
         self.device = device_of(request.headers.get('User-Agent', ''))
-        self.budget = MessageBudget(time.monotonic())
+        self._budget, self._at = BURST, time.monotonic()
+        """Messages that it may send at once, and when that was so."""
         self.cursor = Cursor()
         self.replies: deque[str] = deque(maxlen=MOST_REPLIES)
         self.news = asyncio.Event()
         """Set when there may be something to send."""
+
+    def sends_too_much(self) -> bool:
+        """Count a message; return whether it is more than RATE and BURST allow."""
+        now = time.monotonic()
+        self._budget = min(BURST, self._budget + (now - self._at) * RATE) - 1
+        self._at = now
+        return self._budget < 0
 
     def reply(self, to: str, ok: bool, text: str) -> None:
         """Queue a reply to a message of this page."""
@@ -158,7 +166,7 @@ class Viewers:
 
     async def _receive(self, viewer: Viewer) -> None:
         async for message in viewer.socket:
-            if not viewer.budget.spend(time.monotonic()):
+            if viewer.sends_too_much():
                 await viewer.socket.close(code=WSCloseCode.POLICY_VIOLATION,
                                           message=b'too many messages')
                 return
@@ -172,20 +180,20 @@ class Viewers:
         type_ = ''
         try:
             type_, fields = read(text)
-            self._obey(viewer, checked(type_, fields))
+            self._obey(viewer, type_, checked(type_, fields))
         except Refused as refusal:
             viewer.reply(type_, False, str(refusal))
 
-    def _obey(self, viewer: Viewer, message: PageMessage) -> None:
+    def _obey(self, viewer: Viewer, type_: str, content: Any) -> None:
         """Do what a page asks for; Refused says why not."""
-        number, fields = viewer.number, message.fields
-        match message.type:
+        number = viewer.number
+        match type_:
             case 'ping':
-                viewer.reply(message.type, True, '')
+                viewer.reply(type_, True, '')
             case 'record':
-                self._recording.switch(on=fields['on'])
+                self._recording.switch(**content)
             case 'drive':
-                self._drive(number, **fields)
+                self._drive(number, **content)
             case 'release':
                 self._stop_if(self._seat.release(number))
             case 'leave':
@@ -193,18 +201,23 @@ class Viewers:
             case 'take_over':
                 self._stop_if(self._seat.take_over(number))
             case 'cancel':
-                if not self._goals[fields['what']].cancel():
-                    raise Refused(f'no {fields["what"]} of a page is under way')
+                if not self._goals[content['what']].cancel():
+                    raise Refused(f'no {content["what"]} of a page is under way')
             case 'stop':
                 self._seat.stop()
                 self._stop_if(True)
                 for each in self._goals.values():
                     each.cancel()
                 self._robot.happened('warn', 'STOP was pressed', time.monotonic())
-                self._pass_on(viewer, message.type, self._call(message))
+                self._keep(self._pass_on(viewer, type_, self._call(type_, content)))
+            case _ if type_ in CALLS:
+                self._seat.sit(number)
+                self._keep(self._pass_on(viewer, type_, self._call(type_, content)))
             case _:
                 self._seat.sit(number)
-                self._pass_on(viewer, message.type, self._call_of(viewer, message))
+                goal = self._goals['tune' if type_ == TUNE else 'goal']
+                begun = goal.begin(number, type_, content)
+                self._keep(self._pass_on(viewer, type_, begun))
         self._check_goals()
         self._show_seat()
 
@@ -244,24 +257,16 @@ class Viewers:
 
     # Services and goals.
 
-    def _call_of(self, viewer: Viewer, message: PageMessage) -> Awaitable[Reply]:
-        if message.type in CALLS:
-            return self._call(message)
-        kind = 'tune' if message.type == TUNE else 'goal'
-        return self._goals[kind].begin(viewer.number, message)
-
-    async def _call(self, message: PageMessage) -> Reply:
-        reply = await self._node.driver.call(message.type, message.request)
-        if reply.ok and message.type == 'reset_odometry':
+    async def _call(self, name: str, request: Any) -> Reply:
+        reply = await self._node.driver.call(name, request)
+        if reply.ok and name == 'reset_odometry':
             self._robot.forget()
         return reply
 
-    def _pass_on(self, viewer: Viewer, to: str, reply: Awaitable[Reply]) -> None:
-        """Wait for a reply in the background, and pass it on."""
-        async def answer() -> None:
-            ok, text, _ = await reply
-            viewer.reply(to, ok, text)
-        self._keep(answer())
+    async def _pass_on(self, viewer: Viewer, to: str, reply: Awaitable[Reply]) -> None:
+        """Wait for a reply, and pass it on."""
+        ok, text, _ = await reply
+        viewer.reply(to, ok, text)
 
     def _keep(self, work: Coroutine[Any, Any, object]) -> None:
         """Let something run to its end in the background."""

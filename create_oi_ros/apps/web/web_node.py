@@ -19,7 +19,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from ...ros.collector import subscribe
 from ...ros.driver_client import DriverClient, Goal, GoalState, Reply
 from ...ros.velocity import VelocityOutput
-from .access import CALLS, PageMessage
+from .access import CALLS
 from .live_robot import LiveRobot, PARTS
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -58,10 +58,10 @@ class NewestGoal:
         self._goal: Goal | None = None
         self._viewer = 0
 
-    def begin(self, viewer: int, message: PageMessage) -> Awaitable[Reply]:
+    def begin(self, viewer: int, name: str, goal: Any) -> Awaitable[Reply]:
         """Begin a goal at once, so that STOP finds it; return what waits for its end."""
         self._viewer = viewer
-        self._goal = Goal(self._node.driver, message.type, message.request, self._show)
+        self._goal = Goal(self._node.driver, name, goal, self._show)
         self._show(self._goal)
         return self._goal.pursue()
 
