@@ -27,7 +27,6 @@ from ...ros.programs import installing, UserError
 from ...ros.waiting import say_if_waiting
 from .access import is_loopback
 from .bag_recording import BagRecording
-from .live_robot import LiveRobot
 from .simulated_truth import show_truth
 from .viewers import Viewers
 from .web_node import WebNode
@@ -40,7 +39,7 @@ TOKEN_BYTES = 16
 TOKEN = re.compile(r'[\w-]{20,100}', re.ASCII)
 LOOKED_AT, ALONE = 0.05, 0.1
 """Seconds between two looks at what ROS has brought, with a page open and without."""
-EVERYWHERE = ('', '0.0.0.0', '::')
+EVERYWHERE = ('0.0.0.0', '::')
 """Hosts that mean every network of this computer."""
 DOCUMENTATION_NET = '192.0.2.1'
 """An address that nobody has: no packet is sent to find the way there."""
@@ -117,16 +116,16 @@ def encryption(cert: Path | None, key: Path | None) -> ssl.SSLContext | None:
     return made
 
 
-async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobot,
-                viewers: Viewers, recording: BagRecording) -> None:
+async def _look(node: WebNode, executor: SingleThreadedExecutor, viewers: Viewers,
+                recording: BagRecording) -> None:
     """Take what ROS brings, and tell the pages."""
     while True:
         now = time.monotonic()
         node.velocity.find_driver(now)
-        robot.parts.put('driver_found', node.velocity.driver_listens)
+        node.robot.parts.put('driver_found', node.velocity.driver_listens)
         spin_ready(executor)
         recording.look()
-        robot.sample(time.monotonic())
+        node.robot.sample(time.monotonic())
         viewers.tell()
         period = LOOKED_AT if len(viewers) else ALONE
         await asyncio.sleep(max(0.0, now + period - time.monotonic()))
@@ -137,20 +136,18 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
                  ended: asyncio.Event) -> None:
     node = WebNode()
     executor.add_node(node)
-    robot = node.robot
-    recording = BagRecording(robot, options.ros)
+    recording = BagRecording(node.robot, options.ros)
     viewers = Viewers(node, recording)
+    runner = await WebServer(token, viewers, recording, listener, tls).serve()
     port = listener.getsockname()[1]
-    server = WebServer(token, viewers, recording, port, secure=tls is not None)
-    runner = await server.serve(listener, tls)
     _announce(node, f'http{"s" if tls else ""}://{own_address(options.host)}:{port}/', token)
     say_if_waiting(node, 'a driver', lambda: not node.velocity.driver_listens,
                    node.get_logger().warning)
-    tasks = [asyncio.create_task(_look(node, executor, robot, viewers, recording)),
+    tasks = [asyncio.create_task(_look(node, executor, viewers, recording)),
              asyncio.create_task(ended.wait())]
     if options.control is not None:
         tasks.append(asyncio.create_task(
-            show_truth(options.control, robot, node.get_logger().warning)))
+            show_truth(options.control, node.robot, node.get_logger().warning)))
     done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     await viewers.close()
     await runner.cleanup()

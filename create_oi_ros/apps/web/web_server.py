@@ -20,8 +20,8 @@ from .access import names_this_computer
 from .bag_recording import BagRecording
 from .viewers import Viewers
 
-TYPES = {'.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript',
-         '.svg': 'image/svg+xml', '.png': 'image/png', '.webmanifest': 'application/manifest+json'}
+TYPES = {'html': 'text/html', 'css': 'text/css', 'js': 'text/javascript',
+         'svg': 'image/svg+xml', 'png': 'image/png', 'webmanifest': 'application/manifest+json'}
 HEADERS = {
     # Nothing but our own files runs here, and no other site shows this page inside of its own.
     'Content-Security-Policy': (
@@ -35,25 +35,16 @@ HEADERS = {
 }
 COOKIE_AGE = 30 * 24 * 3600
 """Seconds for which a browser keeps the token."""
-MOST_BODY = 1024
-"""Bytes of a request's body; no request here needs one."""
 IDLE_TIME = 15.0
 """Seconds after which an idle connection is closed."""
 ASK, PAGE = 'token.html', 'index.html'
-OPEN = ('token.html', 'base.css', 'style.css', 'icon.svg', 'icon.png', 'page.webmanifest')
-"""Files that the question for the token needs, or a home screen."""
+OPEN = ('/', '/token.html', '/base.css', '/style.css', '/icon.svg', '/icon.png',
+        '/page.webmanifest')
+"""What needs no token: the question for it, and what that or a home screen needs."""
 REPORT = 'report.html'
 REPORT_POLICY = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; " \
                 "style-src 'unsafe-inline'; img-src data:"
 """A report shows texts of a bag: its scripts run, but as those of another site."""
-
-
-def files() -> dict[str, tuple[bytes, str]]:
-    """Return the page's files, and those that all pages share, with their types, by name."""
-    folder = resources.files(__package__) / 'page'
-    found = {each.name: each.read_bytes() for each in folder.iterdir()}
-    found |= {name: text.encode() for name, text in pages.files().items()}
-    return {name: (body, TYPES['.' + name.rpartition('.')[2]]) for name, body in found.items()}
 
 
 def is_ours(record: LogRecord) -> bool:
@@ -64,23 +55,25 @@ def is_ours(record: LogRecord) -> bool:
 class WebServer:
     """The routes, and who may use them."""
 
-    def __init__(self, token: str | None, viewers: Viewers, recording: BagRecording, port: int, *,
-                 secure: bool) -> None:
-        """Serve these viewers; `port` keeps the cookies of several servers apart."""
-        self._token, self._viewers, self._secure = token, viewers, secure
-        self._recording = recording
-        self._cookie = f'create_web_{port}'
-        self._files = files()
+    def __init__(self, token: str | None, viewers: Viewers, recording: BagRecording,
+                 listener: socket.socket, tls: ssl.SSLContext | None) -> None:
+        """Serve these viewers; its port keeps the cookies of several servers apart."""
+        self._token, self._viewers, self._recording = token, viewers, recording
+        self._listener, self._tls = listener, tls
+        self._cookie = f'create_web_{listener.getsockname()[1]}'
+        self._files = {name: text.encode() for name, text in pages.files().items()}
+        for each in (resources.files(__package__) / 'page').iterdir():
+            self._files[each.name] = each.read_bytes()
 
-    async def serve(self, listener: socket.socket, tls: ssl.SSLContext | None) -> web.AppRunner:
-        """Answer who connects to a socket; return what ends that."""
-        application = web.Application(middlewares=[self._guard], client_max_size=MOST_BODY)
+    async def serve(self) -> web.AppRunner:
+        """Answer who connects to the socket; return what ends that."""
+        application = web.Application(middlewares=[self._guard])
         application.add_routes([web.get('/', self._page), web.get('/live', self._live),
                                 web.get('/{name}', self._file)])
         getLogger('aiohttp.server').addFilter(is_ours)
         runner = web.AppRunner(application, access_log=None, keepalive_timeout=IDLE_TIME)
         await runner.setup()
-        await web.SockSite(runner, listener, ssl_context=tls).start()
+        await web.SockSite(runner, self._listener, ssl_context=self._tls).start()
         return runner
 
     def _admits(self, token: str) -> bool:
@@ -97,10 +90,12 @@ class WebServer:
         self, request: web.Request,
         handler: Callable[[web.Request], Awaitable[web.StreamResponse]],
     ) -> web.StreamResponse:
-        """Refuse names that are not ours, and add the headers."""
+        """Refuse names that are not ours and who has no token, and add the headers."""
         if self._token is None and not names_this_computer(request.headers.get('Host', '')):
             raise web.HTTPForbidden(text='open this page as http://localhost:PORT\n')
         try:
+            if request.path not in OPEN and not self._known(request):
+                raise web.HTTPUnauthorized(text='open the address with the token first\n')
             response = await handler(request)
         except web.HTTPException as error:
             error.headers.update(HEADERS)
@@ -117,7 +112,7 @@ class WebServer:
                 raise web.HTTPSeeOther('/#wrong')  # so that it leaves the address bar
             to_page = web.HTTPSeeOther('/')
             to_page.set_cookie(self._cookie, given, max_age=COOKIE_AGE, httponly=True,
-                               samesite='Lax', secure=self._secure)
+                               samesite='Lax', secure=self._tls is not None)
             raise to_page
         if not self._known(request):
             return self._send(ASK, status=401)
@@ -125,24 +120,20 @@ class WebServer:
 
     async def _file(self, request: web.Request) -> web.StreamResponse:
         name = request.match_info['name']
-        if name == REPORT and self._recording.report and self._known(request):
+        if name == REPORT and self._recording.report:
             body = await asyncio.to_thread(self._recording.report.read_bytes)
             return web.Response(body=body, content_type='text/html', charset='utf-8',
                                 headers={'Content-Security-Policy': REPORT_POLICY})
         if name not in self._files:
             raise web.HTTPNotFound(text='no such file\n')
-        if name not in OPEN and not self._known(request):
-            raise web.HTTPUnauthorized(text='open the address with the token first\n')
         return self._send(name)
 
     async def _live(self, request: web.Request) -> web.StreamResponse:
-        if not self._known(request):
-            raise web.HTTPUnauthorized(text='open the address with the token first\n')
         origin, host = request.headers.get('Origin', ''), request.headers.get('Host', '')
         if not host or origin not in (f'http://{host}', f'https://{host}'):
             raise web.HTTPForbidden(text='only the page of this server may connect\n')
         return await self._viewers.serve(request)
 
     def _send(self, name: str, status: int = 200) -> web.Response:
-        body, type_ = self._files[name]
-        return web.Response(body=body, status=status, content_type=type_, charset='utf-8')
+        return web.Response(body=self._files[name], status=status, charset='utf-8',
+                            content_type=TYPES[name.rpartition('.')[2]])
