@@ -4,6 +4,7 @@
 
 from contextlib import closing
 from itertools import pairwise
+import json
 from math import nan
 import signal
 import socket
@@ -11,10 +12,11 @@ import socket
 import aiohttp
 from geometry_msgs.msg import Twist
 import pytest
+from sensor_msgs.msg import BatteryState
 
 from create_oi_ros.apps.web.access import BURST, DriverSeat, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import listen, main
-from create_oi_ros.apps.web.live_robot import BatteryTime, MOST_POINTS, TrackLog
+from create_oi_ros.apps.web.live_robot import LiveRobot, MOST_POINTS, TrackLog
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros.collector import FlatPose
 from create_oi_ros.ros.programs import UserError
@@ -246,12 +248,14 @@ def test_a_track_of_days_stays_small_and_goes_all_the_way():
 
 def test_the_time_of_the_battery_is_its_charge_over_the_mean_current():
     def left(current: float, now: float = 0.0, charge: float = 2.0) -> float | None:
-        return time.left(charge=charge, capacity=3.0, current=current, now=now)
-    time = BatteryTime()
+        robot.update('battery_state', BatteryState(
+            charge=charge, capacity=3.0, current=current), now)
+        return json.loads(robot.parts.since(0)['battery'])['minutes']
+    robot = LiveRobot()
     assert left(-1.0) == 120 and 110 < left(-2.0, 1.0) < 120
     assert left(1.0, 2.0) == 60, 'the charger has come'
     for unknown in ({'current': -0.03}, {'current': nan}, {'current': -1.0, 'charge': nan}):
-        time = BatteryTime()
+        robot = LiveRobot()
         assert left(**unknown) is None
 
 

@@ -57,16 +57,6 @@ def _signal(strength: int) -> int | None:
     return None if strength == msg.Wall.SIGNAL_UNKNOWN else strength
 
 
-def _pose(pose: FlatPose, odom: Any) -> Json:
-    """Return the part of a pose and its message."""
-    twist, known = odom.twist.twist, odom.pose.covariance
-    return {
-        'x': round(pose.x, 4), 'y': round(pose.y, 4), 'yaw': round(pose.yaw, 4),
-        'speed': finite(twist.linear.x, 3), 'turn': finite(twist.angular.z, 3),
-        # Variances of x and y and what they share, and of the heading.
-        'covariance': [finite(known[place], 9) for place in (0, 1, 7, 35)]}
-
-
 class Parts:
     """Pieces of JSON by name, each with the number of its last change."""
 
@@ -89,28 +79,6 @@ class Parts:
         return {name: text for name, (changed, text) in self._parts.items() if changed > changes}
 
 
-class BatteryTime:
-    """Averages the current, and divides the charge by it."""
-
-    def __init__(self) -> None:
-        self._current, self._at = 0.0, -inf
-
-    def left(self, charge: float, capacity: float, current: float, now: float) -> int | None:
-        """Return the minutes until empty, or while charging until full; None: not known."""
-        if not all(map(isfinite, (charge, capacity, current))):
-            return None
-        kept = exp(-(now - self._at) / SMOOTHING)
-        # Plugged in or out: the average of both says nothing.
-        if (current > 0) != (self._current > 0):
-            kept = 0.0
-        self._current, self._at = kept * self._current + (1 - kept) * current, now
-        if abs(self._current) < LEAST_CURRENT:
-            return None
-        hours = (capacity - charge if self._current > 0 else charge) / abs(self._current)
-        minutes = round(60 * max(hours, 0.0))
-        return minutes if minutes <= LONGEST_TIME else None
-
-
 class NewestLog:
     """The newest entries of a log, with running numbers: readers ask for all since theirs."""
 
@@ -129,10 +97,6 @@ class NewestLog:
         """Return the entries that were added when there were `count` already."""
         new = min(self.count - count, len(self._kept))
         return [self._kept[place] for place in range(len(self._kept) - new, len(self._kept))]
-
-    def clear(self) -> None:
-        """Drop all entries; their numbers are not used again."""
-        self._kept.clear()
 
 
 class TrackLog:
@@ -196,7 +160,8 @@ class LiveRobot:
         self.samples = NewestLog(round(CHART_SECONDS / SAMPLE_PERIOD))
         self.log = NewestLog(MOST_LOGGED)
         """What happened: when, how bad ('', warn or error), and what."""
-        self._battery = BatteryTime()
+        self._current, self._current_at = 0.0, -inf
+        """Mean current of the battery, A, and when it was taken."""
         self.resets = 0
         """How often the odometry has begun anew."""
         self._seen: dict[str, tuple[float, float]] = {}
@@ -228,19 +193,23 @@ class LiveRobot:
             if collector.pose is None or collector.pose is pose:
                 return  # it is no place
             self.track.add(collector.pose)
-            self.parts.put(part, _pose(collector.pose, message))
-        else:
-            self.parts.put(part, self._part(name, newest, now))
+        self.parts.put(part, self._part(name, newest, now))
 
     def _part(self, name: str, message: Any, now: float) -> Json:
         """Return the part that is made from a message."""
         match name:
+            case 'odom' if pose := self.collector.pose:
+                twist, known = message.twist.twist, message.pose.covariance
+                return {
+                    'x': round(pose.x, 4), 'y': round(pose.y, 4), 'yaw': round(pose.yaw, 4),
+                    'speed': finite(twist.linear.x, 3), 'turn': finite(twist.angular.z, 3),
+                    # Variances of x and y and what they share, and of the heading.
+                    'covariance': [finite(known[place], 9) for place in (0, 1, 7, 35)]}
             case 'battery_state':
                 return {
                     'part': finite(message.percentage, 3), 'voltage': finite(message.voltage, 2),
                     'current': finite(message.current, 3),
-                    'minutes': self._battery.left(
-                        message.charge, message.capacity, message.current, now),
+                    'minutes': self._minutes_left(message, now),
                     'temperature': finite(message.temperature, 0)}
             case 'mode':
                 return {'actual': mode_name(message.mode, message.reason),
@@ -254,6 +223,21 @@ class LiveRobot:
                                 'values': values_of(status)}
                         for about, status in message.items() if about not in REPEATED}
         return flags(name, message)
+
+    def _minutes_left(self, battery: Any, now: float) -> int | None:
+        """Return the minutes until empty, or while charging until full; None: not known."""
+        charge, current = battery.charge, battery.current
+        if not all(map(isfinite, (charge, battery.capacity, current))):
+            return None
+        # Plugged in or out: the average of both says nothing.
+        kept = 0.0 if (current > 0) != (self._current > 0) else exp(
+            (self._current_at - now) / SMOOTHING)
+        self._current, self._current_at = kept * self._current + (1 - kept) * current, now
+        if abs(self._current) < LEAST_CURRENT:
+            return None
+        left = battery.capacity - charge if self._current > 0 else charge
+        minutes = round(60 * max(left / abs(self._current), 0.0))
+        return minutes if minutes <= LONGEST_TIME else None
 
     def sample(self, now: float) -> None:
         """Add a sample to the charts when it is due; say what is old, and who is silent."""
@@ -280,7 +264,7 @@ class LiveRobot:
         """Drop track and events: the odometry was reset."""
         self.resets += 1
         self.track.clear()
-        self.events.clear()
+        self.events = NewestLog(MOST_EVENTS)
 
     def news(self, cursor: Cursor, now: float) -> tuple[str, Cursor]:
         """Return what a page has not been told yet, as JSON, and how far it is told then."""
