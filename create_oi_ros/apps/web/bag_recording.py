@@ -17,19 +17,15 @@ from .access import Refused
 from .live_robot import LiveRobot
 
 
-def recorder_arguments(ros: Sequence[str]) -> list[str]:
-    """Return those ROS arguments of `create_web` that its recorder needs: names and enclave."""
-    return names_only(ros) + [part for flag, value in pairwise(ros)
-                              if flag in ('-e', '--enclave') for part in (flag, value)]
-
-
 class BagRecording:
     """One recording at a time; the pages are shown how it is."""
 
     def __init__(self, robot: LiveRobot, ros_arguments: Sequence[str]) -> None:
-        """Give the recorder what it needs of the ROS arguments of this program."""
+        """Give the recorder the names and the enclave of the ROS arguments of this program."""
         self._robot = robot
-        self._ros = recorder_arguments(ros_arguments)
+        self._ros = names_only(ros_arguments) + [
+            part for flag, value in pairwise(ros_arguments)
+            if flag in ('-e', '--enclave') for part in (flag, value)]
         self._process: subprocess.Popen[bytes] | None = None
         self._folder = Path()
         self._target: Path | None = None
