@@ -28,7 +28,6 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from std_msgs.msg import String
 
 from create_oi_ros.apps.report import create_report
-from create_oi_ros.apps.report.bag_files import BagError
 from create_oi_ros.apps.report.create_report import kept, main, packed, steps, write
 from create_oi_ros.apps.report.recording import read, Recording
 from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
@@ -52,7 +51,7 @@ def recording(bag):
 
 def refusal(path: Path, *arguments: str) -> str:
     """Return what the command says of a bag that it cannot show."""
-    with pytest.raises(BagError) as refused:
+    with pytest.raises(programs.UserError) as refused:
         main([str(path), '-o', str(path.parent / 'none.html'), *arguments])
     said = str(refused.value)
     assert '\n' not in said and not (path.parent / 'none.html').exists()

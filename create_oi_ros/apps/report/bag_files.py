@@ -43,10 +43,6 @@ FAULTS = (
 """What Python and the libraries raise when damaged bytes are read."""
 
 
-class BagError(UserError):
-    """A bag cannot be read or is not of this driver; the message is one sentence."""
-
-
 class DamageError(Exception):
     """The content of a bag cannot be read; the message is that of the library."""
 
@@ -75,7 +71,7 @@ Message = tuple[Topic, int, bytes]
 
 
 class BagFiles:
-    """The messages of a bag; BagError says why it has none."""
+    """The messages of a bag; UserError says why it has none."""
 
     def __init__(self, path: Path, folder: Path) -> None:
         """Look through all files; what has to be unpacked or repaired goes into a folder."""
@@ -91,7 +87,7 @@ class BagFiles:
             self.start, self.end = min(self.start, time), max(self.end, time)
             self._late = max(self._late, self.end - time)
         if not self.counts:
-            raise BagError(
+            raise UserError(
                 f'{path} is empty: no message was recorded, or none was written yet when the '
                 'recorder was killed' if set(self.faults) <= {UNFINISHED} else
                 f'{path} cannot be read as a bag, it is damaged or something else: '
@@ -116,12 +112,12 @@ class BagFiles:
     def _files(self, path: Path) -> list[Path]:
         """Return the files of a bag, the oldest first."""
         if not path.exists():
-            raise BagError(f'there is no {path}')
+            raise UserError(f'there is no {path}')
         if path.is_file():
             return [path]
         found = [each for each in path.iterdir() if each.suffix in ('.mcap', '.db3', '.zstd')]
         if not found:
-            raise BagError(f'{path} is no bag: it holds neither .mcap nor .db3 files')
+            raise UserError(f'{path} is no bag: it holds neither .mcap nor .db3 files')
         try:
             with reading():
                 described = yaml.safe_load((path / 'metadata.yaml').read_text())

@@ -31,24 +31,22 @@ from .summary import absent, events, summary, TimelineEvent, warnings
 
 LONGEST = 2000
 """Rows of a table; the rest is only counted."""
-PAGE, ENTRY = 'report.html', 'report.js'
+PAGE, ENTRY = 'report.html', 'report'
 STYLES = ('base.css', 'report.css')
 
 
 def write(recording: Recording, target: Path) -> None:
-    """Write the report; OSError: why it cannot be."""
-    write_whole(target, _html(recording))
+    """
+    Write the page, in UTF-8; OSError: why it cannot be.
 
-
-def _html(recording: Recording) -> bytes:
-    """Return the page, in UTF-8. Texts of the bag go in escaped, or as JSON that is no script."""
+    Texts of the bag go in escaped, or as JSON that is no script.
+    """
     folder = resources.files(__package__) / 'live'
     files = {each.name: each.read_text('utf-8') for each in folder.iterdir()} | pages.files()
     style = '\n'.join(files[name] for name in STYLES)
-    script = '\n' + one_script({
-        name: text for name, text in files.items() if name.endswith('.js')}, ENTRY)
+    script = '\n' + one_script(files, ENTRY)
     lacks = absent(recording)
-    return Template(files[PAGE]).substitute(
+    page = Template(files[PAGE]).substitute(
         title=escape(f'What the robot did: {recording.name}'),
         style=style, script=script, data=packed(recording),
         policy=f'script-src {_digest(script)}; style-src {_digest(style)}',
@@ -56,7 +54,8 @@ def _html(recording: Recording) -> bytes:
         absent=f'<p>Not recorded: {escape(", ".join(lacks))}.</p>' if lacks else '',
         events=_event_table(events(recording)),
         warnings=_event_table(warnings(recording)),
-        settings=_settings(recording)).encode('utf-8', 'replace')
+        settings=_settings(recording))
+    write_whole(target, page.encode('utf-8', 'replace'))
 
 
 def _digest(text: str) -> str:
@@ -92,24 +91,21 @@ EXPORT = re.compile(r'^export ((?:async )?(?:function|class|const) (\w+))', re.M
 
 
 def one_script(modules: Mapping[str, str], entry: str) -> str:
-    """Return a script that runs the module `entry`; the others are functions before it."""
+    """Return a script that runs the module `entry`, behind those that it imports."""
     functions: dict[str, str] = {}
 
-    def with_constants(text: str) -> str:
-        """Return a module whose imports are constants, once those modules are functions."""
-        for found in IMPORT.finditer(text):
-            if found[2] not in functions:
-                functions[found[2]] = as_function(found[2])
-        return IMPORT.sub(r'const \1 = \2_js;\n', text)
-
-    def as_function(name: str) -> str:
-        """Return a module as a function that is called once, and returns what it exports."""
-        text = with_constants(modules[f'{name}.js'])
-        exported = ', '.join(found[2] for found in EXPORT.finditer(text))
-        body = EXPORT.sub(r'\1', text)
-        return f'const {name}_js = (() => {{\n{body}\nreturn {{ {exported} }};\n}})();\n'
-    main = with_constants(modules[entry])
-    return ''.join([*functions.values(), main])
+    def add(name: str) -> None:
+        """Add a module as a function that is called once, and returns what it exports."""
+        text = modules[f'{name}.js']
+        for _, imported in IMPORT.findall(text):
+            if imported not in functions:
+                add(imported)
+        exported = ', '.join(each for _, each in EXPORT.findall(text))
+        body = EXPORT.sub(r'\1', IMPORT.sub(r'const \1 = \2_js;\n', text))
+        functions[name] = (f'const {name}_js = await (async () => {{\n{body}\n'
+                           f'return {{ {exported} }};\n}})();\n')
+    add(entry)
+    return ''.join(functions.values())
 
 
 # The data.
@@ -220,7 +216,7 @@ def _target(text: str) -> Path:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_report`; BagError or OSError says why no report can be made."""
+    """Run `create_report`; UserError or OSError says why no report can be made."""
     parser = argparse.ArgumentParser(
         prog='create_report', description='Show on one page what a robot did, from a bag.')
     parser.add_argument('bag', type=Path, metavar='BAG',

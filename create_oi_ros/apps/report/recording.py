@@ -19,9 +19,10 @@ from rosbags.typesys.store import Typestore
 from ...ros.bags import definitions, full_name
 from ...ros.collector import Collector, KINDS, Span
 from ...ros.messages import yaw_of
+from ...ros.programs import UserError
 from ...ros.topics import CMD_VEL, PUBLISHED
 from ...ros.velocity import COMMANDS
-from .bag_files import BagError, BagFiles, DamageError, reading, Topic
+from .bag_files import BagFiles, DamageError, reading, Topic
 
 GAP, SILENCE = 0.5, 2.0
 """Seconds without odometry, and without any message, that count as a gap."""
@@ -91,7 +92,11 @@ class Recording:
         return f'The bag is not whole: {"; ".join(self.faults)}.' if self.faults else ''
 
     def add(self, topic: str, time: float, message: Any) -> None:
-        """Add a message of one of TOPICS."""
+        """Add a message of one of TOPICS; a long silence before it is a gap."""
+        if self._last_message is not None and time - self._last_message > SILENCE:
+            self._gap(self._last_message, time, 'nothing was recorded')
+            self._last_odom = None
+        self._last_message = time
         before = self.events.newest.get(topic)
         self.events.take(topic, time, message)
         if topic in self.events.newest and self.events.newest[topic] is before:
@@ -113,13 +118,6 @@ class Recording:
             case 'diagnostics' if link := self.events.link:
                 self.link.add(time, *(_number(link.get(key)) for key in (
                     'frames per second', 'damaged frames', 'garbage bytes')))
-
-    def note_time(self, time: float) -> None:
-        """Note the time of a message; a long silence before it is a gap."""
-        if self._last_message is not None and time - self._last_message > SILENCE:
-            self._gap(self._last_message, time, 'nothing was recorded')
-            self._last_odom = None
-        self._last_message = time
 
     def finish(self) -> None:
         """End what lasts at the end of the bag."""
@@ -152,7 +150,7 @@ Progress = Callable[[float], None]
 
 def read(path: Path, robot: str | None = None,
          progress: Progress = lambda part: None) -> Recording:
-    """Read a bag; BagError says why it cannot be read, or that a robot must be named."""
+    """Read a bag; UserError says why it cannot be read, or that a robot must be named."""
     with TemporaryDirectory(prefix='create_report-') as folder:
         files = BagFiles(path, Path(folder))
         topics, robot = _wanted(files, path, robot)
@@ -167,7 +165,7 @@ def read(path: Path, robot: str | None = None,
         recording.finish()
     recording.faults = files.faults
     if not recording.odom and not any(map(len, recording.events.spans.values())):
-        raise BagError(f'{path} is damaged: {"; ".join(files.faults)}' if files.faults else
+        raise UserError(f'{path} is damaged: {"; ".join(files.faults)}' if files.faults else
                        f'{path} holds no message of this driver')
     return recording
 
@@ -180,7 +178,6 @@ def _read_messages(
     seconds, shown = recording.seconds, 0.0
     for topic, stamp, raw in files.messages(topics):
         time = (stamp - files.start) / 1e9
-        recording.note_time(time)
         if time > shown:
             progress(time / seconds if seconds else 1.0)
             shown = time + seconds / 100
@@ -215,14 +212,14 @@ def _wanted(files: BagFiles, path: Path, robot: str | None) -> tuple[set[Topic],
               if {'odom', 'mode'} & set(map(base_name, topics))}
     if not robots:
         names = ', '.join(sorted(topic.name for topic in files.counts)[:6])
-        raise BagError(f'{path} has neither `odom` nor `mode` of this driver: its topics are '
+        raise UserError(f'{path} has neither `odom` nor `mode` of this driver: its topics are '
                        f'{names}')
     if robot is None and len(robots) > 1:
-        raise BagError(f'{path} holds several robots, name one with --robot: '
+        raise UserError(f'{path} holds several robots, name one with --robot: '
                        f'{_listed(robots)}')
     chosen = next(iter(robots)) if robot is None else robot.strip('/')
     if chosen not in robots:
-        raise BagError(f'{path} has no robot {chosen or "/"}: it has {_listed(robots)}')
+        raise UserError(f'{path} has no robot {chosen or "/"}: it has {_listed(robots)}')
     return robots[chosen] | {topic for topic in files.counts if topic.type == DIAGNOSTICS}, chosen
 
 
