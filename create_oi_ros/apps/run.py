@@ -40,6 +40,8 @@ WORLD = 'apartment'
 """World of the simulated robot, if nothing else is asked for."""
 SHOWN = ('odom', 'mode', 'battery_state', 'bumper', 'diagnostics')
 """Topics of which the status line is made."""
+COMPLAINTS = ('driver', LINK, 'battery')
+"""Statuses of the driver that the line has when they are not well."""
 MOST_EVENTS = 100
 """Events of a kind that are kept; a line shows those of a second."""
 WIDTH = 80
@@ -67,18 +69,6 @@ class RobotStatus:
         self._collector.take(name, time, message)
         self._frames += name == 'odom'
 
-    def _bumped(self) -> str:
-        """Return the sides of the bumper that were pressed since the last line."""
-        sides = {side for span in self._collector.spans['bumper'].all
-                 if span.end >= self._line_at for side in span.text.split(' and ')}
-        return ' and '.join(sorted(sides))
-
-    def _troubles(self) -> list[str]:
-        """Return what the driver complains about: a script, a damaged line, the battery."""
-        statuses = self._collector.newest.get('diagnostics', {})
-        return [statuses[about].message for about in ('driver', LINK, 'battery')
-                if about in statuses and level_of(statuses[about])]
-
     def _no_robot(self) -> str:
         """Return why no robot answers, as far as the driver knows."""
         link = self._collector.newest.get('diagnostics', {}).get(LINK)
@@ -92,8 +82,8 @@ class RobotStatus:
         """Return the line, and begin the next second; the pose of a robot is always in it."""
         motion, mode = self._motion(), self._collector.newest.get('mode')
         name = 'no node yet' if mode is None else f'{mode_name(mode.mode, mode.reason):7s}'
-        robot = mode is None or mode.mode != Mode.UNKNOWN
-        pose = 2 if robot else 0  # parts of the motion that are the pose
+        # Parts of the motion that are the pose.
+        pose = 0 if mode is not None and mode.mode == Mode.UNKNOWN else 2
         said = (*motion[:pose], *self._remarks(width))
         line = '  '.join((f'{self._frames:2d} frames/s', name, *said))
         if len(line) > width:
@@ -109,14 +99,18 @@ class RobotStatus:
 
     def _remarks(self, width: int) -> list[str]:
         """Return what is unusual, the most important first."""
-        sides, mode = self._bumped(), self._collector.newest.get('mode')
-        remarks = [f'BUMP {sides}'] if sides else []
+        sides = {side for span in self._collector.spans['bumper'].all
+                 if span.end >= self._line_at for side in span.text.split(' and ')}
+        remarks = [f'BUMP {" and ".join(sorted(sides))}'] if sides else []
+        newest = self._collector.newest
+        mode, statuses = newest.get('mode'), newest.get('diagnostics', {})
         if mode is not None and mode.reason:
             unknown = mode.mode == Mode.UNKNOWN
             remarks.append((self._no_robot() if unknown else '') or mode.reason)
         # No robot answers: all else follows from that.
         elif mode is not None:
-            remarks += [gist(each, width // 2) for each in self._troubles()]
+            remarks += [gist(statuses[about].message, width // 2) for about in COMPLAINTS
+                        if about in statuses and level_of(statuses[about])]
         return remarks
 
     def _motion(self) -> list[str]:
@@ -192,7 +186,7 @@ def introduction(port: str, simulated: bool, namespace: str = '') -> str:
         'Ctrl-C stops the robot and everything here.'])
 
 
-def _watch(children: Children, ended: Future, names: list[str], driver: str) -> int:
+def _watch(children: Children, ended: Future, names: list[str]) -> int:
     """Show the status every second; return the exit code, 1 when a child has ended by itself."""
     def look() -> None:
         why = children.ended()
@@ -202,8 +196,7 @@ def _watch(children: Children, ended: Future, names: list[str], driver: str) -> 
         else:
             print(f'create_run: {why}; see above for why', file=sys.stderr)
             ended.set_result(1)
-    with (ros_executor(['--ros-args', *names]) as executor,
-          announce(int(os.environ.get('ROS_DOMAIN_ID') or 0), driver)):
+    with ros_executor(['--ros-args', *names]) as executor:
         node = rclpy.create_node('create_run')
         status = RobotStatus(node.get_namespace())
         subscribe(node, SHOWN, lambda name, message: status.take(
@@ -246,16 +239,6 @@ def run_domain() -> Iterator[str]:
         'use: end a run, or choose a domain yourself with ROS_DOMAIN_ID')
 
 
-def world(text: str) -> str:
-    """Return the name or file of a world; ArgumentTypeError says what is wrong with it."""
-    try:
-        if text:  # '' is refused below, as that of other arguments
-            read_world(text)
-    except WorldError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-    return text
-
-
 def _arguments(given: Sequence[str]) -> argparse.Namespace:
     """Return the arguments; those that contradict each other end the program."""
     parser = argparse.ArgumentParser(
@@ -265,7 +248,7 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
               '                  [--ros-args -p NAME:=VALUE --params-file FILE -r FROM:=TO ...]',
         epilog='create_node --help lists the parameters')
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
-    parser.add_argument('--world', metavar='NAME|FILE', type=world, help=(
+    parser.add_argument('--world', metavar='NAME|FILE', help=(
         f'world of the simulated robot: {", ".join(shipped_names())}, or a file '
         f'(default: {WORLD})'))
     parser.add_argument('--lidar', action='store_true', help=(
@@ -287,6 +270,10 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
     for name, value in vars(options).items():
         if value == '':
             parser.error(f'--{name.replace("_", "-")} is empty: give a value, or leave it out')
+    try:
+        read_world(options.world or WORLD)
+    except WorldError as error:
+        parser.error(f'argument --world: {error}')
     if options.port is not None and options.world is not None:
         parser.error('--port is for a real robot and --world for a simulated one: give one of '
                      'them')
@@ -347,9 +334,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if port is None:
             port = f'{stack.enter_context(TemporaryDirectory(prefix="create-"))}/create'
             stack.enter_context(run_domain())
-        refuse_second(int(os.environ.get('ROS_DOMAIN_ID') or 0), f'{namespace}/create')
+        driver = int(os.environ.get('ROS_DOMAIN_ID') or 0), f'{namespace}/create'
+        refuse_second(*driver)
+        stack.enter_context(announce(*driver))
         print(introduction(port, options.port is None, namespace), flush=True)
         stack.callback(children.end)
         stack.enter_context(status_line())
         _start(children, port, options)
-        return _watch(children, ended, names, f'{namespace}/create')
+        return _watch(children, ended, names)
