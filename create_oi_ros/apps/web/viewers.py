@@ -93,7 +93,7 @@ class Viewers:
         """Those that move the robot, and tunes, which play beside them."""
         self._expiry: asyncio.TimerHandle | None = None
         self._numbers = count(1)
-        self._show_seat()
+        self._update_seat()
 
     def __len__(self) -> int:
         """Return how many pages are connected."""
@@ -114,7 +114,7 @@ class Viewers:
             return socket
         viewer = Viewer(next(self._numbers), socket, request)
         self._viewers[viewer.number] = viewer
-        self._show_seat()
+        self._update_seat()
         sender = asyncio.create_task(self._send(viewer))
         try:
             await self._receive(viewer)
@@ -126,13 +126,7 @@ class Viewers:
     def _leave(self, viewer: Viewer) -> None:
         if self._viewers.pop(viewer.number, None) is not None:
             self._brake_if(self._seat.leave(viewer.number))
-            self._check_goals()
-            self._show_seat()
-
-    def _check_goals(self) -> None:
-        """Cancel those of viewers that may not drive any more."""
-        for each in self._goals.values():
-            each.cancel(but=self._seat.viewer)
+            self._update_seat()
 
     async def close(self) -> None:
         """Stop the wheels if a page drives, cancel its goal, and disconnect all pages."""
@@ -218,8 +212,7 @@ class Viewers:
                 goal = self._goals['tune' if type_ == TUNE else 'goal']
                 begun = goal.begin(number, type_, content)
                 self._keep(self._pass_on(viewer, type_, begun))
-        self._check_goals()
-        self._show_seat()
+        self._update_seat()
 
     def _drive(self, number: int, linear: float, angular: float, seen: float) -> None:
         if not self._node.velocity.driver_listens:
@@ -249,7 +242,10 @@ class Viewers:
         self._stop_if(not done and not self._seat.driving)
         await stop
 
-    def _show_seat(self) -> None:
+    def _update_seat(self) -> None:
+        """Cancel goals of viewers that may not drive any more, and show who may."""
+        for each in self._goals.values():
+            each.cancel(but=self._seat.viewer)
         driver = self._viewers.get(self._seat.viewer or 0)
         self._robot.parts.put('seat', {
             'driver': self._seat.viewer, 'device': driver.device if driver else '',
