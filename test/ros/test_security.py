@@ -22,7 +22,7 @@ from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from create_oi_ros.apps.lidar import LidarNode
-from create_oi_ros.apps.web.web_node import WebNode
+from create_oi_ros.apps.web.viewers import WebNode
 from create_oi_ros.ros.actions import ACTION_TYPES, ALL_ACTIONS
 from create_oi_ros.ros.bags import Recorder
 from create_oi_ros.ros.node import CreateNode

@@ -28,8 +28,7 @@ from ...ros.waiting import say_if_waiting
 from .access import is_loopback
 from .bag_recording import BagRecording
 from .simulated_truth import show_truth
-from .viewers import Viewers
-from .web_node import WebNode
+from .viewers import Viewers, WebNode
 from .web_server import WebServer
 
 LOOPBACK, PORT = '127.0.0.1', 8080
