@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from math import nan
@@ -156,35 +156,27 @@ def read(path: Path, robot: str | None = None,
         topics, robot = _wanted(files, path, robot)
         recording = Recording(
             path.resolve().name, files.start / 1e9, (files.end - files.start) / 1e9,
-            files.counts.total(), robot, events=Collector(robot))
-        recording.heard = set(map(base_name, topics))
+            files.counts.total(), robot, events=Collector(robot),
+            heard=set(map(base_name, topics)), faults=files.faults)
+        shown = 0.0
         try:
-            _read_messages(files, topics, recording, progress)
+            decoders = {topic: _decoder(topic) for topic in topics}
+            for topic, stamp, raw in files.messages(topics):
+                time = (stamp - files.start) / 1e9
+                if time > shown:
+                    progress(time / recording.seconds)
+                    shown = time + recording.seconds / 100
+                with reading():
+                    message = decoders[topic].deserialize_cdr(raw, topic.type)
+                recording.add(base_name(topic), time, message)
         except DamageError as error:
             files.faults.append(str(error))
+        progress(1.0)
         recording.finish()
-    recording.faults = files.faults
     if not recording.odom and not any(map(len, recording.events.spans.values())):
         raise UserError(f'{path} is damaged: {"; ".join(files.faults)}' if files.faults else
-                       f'{path} holds no message of this driver')
+                        f'{path} holds no message of this driver')
     return recording
-
-
-def _read_messages(
-    files: BagFiles, topics: Collection[Topic], recording: Recording, progress: Progress,
-) -> None:
-    """Add all messages of some topics; DamageError: one cannot be read."""
-    decoders = {topic: _decoder(topic) for topic in topics}
-    seconds, shown = recording.seconds, 0.0
-    for topic, stamp, raw in files.messages(topics):
-        time = (stamp - files.start) / 1e9
-        if time > shown:
-            progress(time / seconds if seconds else 1.0)
-            shown = time + seconds / 100
-        with reading():
-            message = decoders[topic].deserialize_cdr(raw, topic.type)
-        recording.add(base_name(topic), time, message)
-    progress(1.0)
 
 
 def _decoder(topic: Topic) -> Typestore:
