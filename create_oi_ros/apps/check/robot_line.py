@@ -125,14 +125,15 @@ class Runner:
             if (reading.distance, reading.angle) == (0, 0):
                 break
         end = notebook.seconds
-        for segment in (*move.segments, Segment(REST, 0, 0)):
-            began, end = notebook.seconds, end + segment.seconds
+        for seconds, right, left in (*move.segments, Segment(REST, 0, 0)):
+            began, end = notebook.seconds, end + seconds
             if move.intervals:  # the first moments of a segment tell most
                 notebook.ask(move.intervals)
             while notebook.seconds <= end:
                 if move.reads is Reads.OFTEN and notebook.seconds - began > TELLING:
                     notebook.ask_no_more()
-                self._drive(segment)
+                self._driver.drive((right + left) / 2 / MM_PER_M,
+                                   (right - left) / MM_PER_M / LIMITS.wheel_separation, self._now)
                 yield
         yield from self._read()
 
@@ -143,11 +144,6 @@ class Runner:
         while self._notebook.reading is before:
             yield
         return self._notebook.reading
-
-    def _drive(self, segment: Segment) -> None:
-        right, left = segment.right, segment.left
-        self._driver.drive((right + left) / 2 / MM_PER_M,
-                           (right - left) / MM_PER_M / LIMITS.wheel_separation, self._now)
 
     def _disturbance(self) -> str | None:
         """Say what disturbs the move; None: nothing."""
