@@ -51,7 +51,8 @@ def record(folder: Path, ended: Future) -> Recorder | None:
     return recorder
 
 
-def _arguments() -> argparse.ArgumentParser:
+def main() -> int:
+    """Run `create_record`; 1: the disk is full, or no message came. OSError: see `record`."""
     parser = argparse.ArgumentParser(
         prog='create_record', description='Record everything that the driver publishes, and its '
         'commands, to a bag (rosbag 2, MCAP) until Ctrl-C.',
@@ -59,15 +60,10 @@ def _arguments() -> argparse.ArgumentParser:
     parser.add_argument('-o', dest='folder', type=Path, metavar='FOLDER',
                         default=Path(f'record-{datetime.now():%Y%m%d-%H%M%S}'),
                         help='a new folder for the bag (default: record-DATE-TIME)')
-    return parser
-
-
-def main() -> int:
-    """Run `create_record`; 1: the disk is full, or no message came. OSError: see `record`."""
-    parser, ended = _arguments(), Future()
     options = parser.parse_args(remove_ros_args(sys.argv)[1:])
     if options.folder.exists():
         parser.error(f'{options.folder} is there already')
+    ended = Future()
     call_on_signal(lambda: ended.set_result(0))
     recorder = record(options.folder, ended)
     if recorder is None:
