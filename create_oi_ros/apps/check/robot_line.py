@@ -43,7 +43,6 @@ TURN = 0.02
 """Seconds between two looks."""
 ANSWER = 15.0
 """Seconds within which a robot must answer."""
-Steps = Generator[None, None, None]
 
 
 class Notebook(Odometry):
@@ -90,7 +89,7 @@ class Runner:
         driver.set_limits(LIMITS)
         self.disturbance: str | None = None
         """Why the last move ended early; None where it did not."""
-        self._steps: Steps | None = None
+        self._steps: Iterator[None] | None = None
         """What is left of the move; None: nothing."""
         self._now = 0.0
 
@@ -117,7 +116,7 @@ class Runner:
         elif next(self._steps, True):
             self._steps = None
 
-    def _do(self, move: Move) -> Steps:
+    def _do(self, move: Move) -> Iterator[None]:
         """Do a move, from the moment when the counts are empty to the last reading."""
         notebook = self._notebook
         for _ in range(MOST_LOOKS):
@@ -243,8 +242,7 @@ class RobotLine:
 
     def make(self, move: Move) -> bool:
         """Make a move; False: something disturbed it, and the wheels stand."""
-        with self.session.request() as (_driver, _now):
-            self.runner.begin(move)
+        self.runner.begin(move)
 
         def made(_health: Health) -> bool:
             with self.session.request() as (_driver, now):
