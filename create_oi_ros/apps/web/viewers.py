@@ -114,13 +114,6 @@ class NewestGoal:
         return True
 
 
-def device_of(agent: str) -> str:
-    """Return what a browser runs on, by its User-Agent header."""
-    if 'iPad' in agent or ('Android' in agent and 'Mobile' not in agent):
-        return 'tablet'
-    return 'phone' if 'Mobi' in agent else 'computer'
-
-
 class Viewer:
     """One connected page."""
 
@@ -128,7 +121,9 @@ class Viewer:
         self.number, self.socket = number, socket
         self.page = request.query.get('page')
         """A name that a page gives itself, so that it is known when it connects again."""
-        self.device = device_of(request.headers.get('User-Agent', ''))
+        agent = request.headers.get('User-Agent', '')
+        tablet = 'iPad' in agent or ('Android' in agent and 'Mobile' not in agent)
+        self.device = 'tablet' if tablet else 'phone' if 'Mobi' in agent else 'computer'
         self._budget, self._at = BURST, time.monotonic()
         """Messages that it may send at once, and when that was so."""
         self.cursor = Cursor()
