@@ -147,11 +147,11 @@ class Collector:
         """The newest pose by the odometry, if it is one."""
         self._moved_at = self._stamp = 0.0
 
-    def take(self, name: str, time: float, message: Any) -> list[Span]:
-        """Take a message of a topic; return what begins with it."""
+    def take(self, name: str, time: float, message: Any) -> list[Span] | None:
+        """Take a message of a topic; return what begins with it. None: it is of another node."""
         if name == 'diagnostics':
             statuses = of_driver(message, self._namespace)
-            return self._diagnose(time, statuses) if statuses else []
+            return self._diagnose(time, statuses) if statuses else None
         self.newest[name] = message
         kind = name.replace('_', ' ')
         if name == 'odom':

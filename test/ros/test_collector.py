@@ -21,7 +21,7 @@ def collected(*messages: tuple[float, object], collector: Collector | None = Non
     """Give messages with their times to a collector; return what began: kind, sentence, level."""
     made = collector or Collector()
     return [(span.kind, span.sentence, span.level) for time, message in messages
-            for span in made.take(NAME_OF[type(message)], time, message)]
+            for span in made.take(NAME_OF[type(message)], time, message) or ()]
 
 
 def odom(x: float = 0.0, y: float = 0.0, yaw: float = 0.0, stamp: int = 0) -> Odometry:

@@ -97,10 +97,8 @@ class Recording:
             self._gap(self._last_message, time, 'nothing was recorded')
             self._last_odom = None
         self._last_message = time
-        before = self.events.newest.get(topic)
-        self.events.take(topic, time, message)
-        if topic in self.events.newest and self.events.newest[topic] is before:
-            return  # the diagnostics of another node
+        if self.events.take(topic, time, message) is None:
+            return
         match topic:
             case 'odom':
                 if self._last_odom is not None and time - self._last_odom > GAP:

@@ -20,7 +20,6 @@ from create_oi_msgs import msg
 from ...ros.collector import Collector, flags, FlatPose, level_of, NAMES, REPEATED, values_of
 from ...ros.messages import charging_name, mode_name
 
-Json = Any
 PARTS: Mapping[str, str] = {
     'odom': 'pose', 'battery_state': 'battery', 'mode': 'mode', 'charging': 'charging',
     'bumper': 'bump', 'cliff': 'cliff', 'wheel_drop': 'drop', 'wall': 'wall',
@@ -65,7 +64,7 @@ class Parts:
         self.changes = 0
         """Number of the last change."""
 
-    def put(self, name: str, value: Json) -> bool:
+    def put(self, name: str, value: Any) -> bool:
         """Store a part; return whether it differs, and so counts as changed."""
         text = json.dumps(value, allow_nan=False, separators=(',', ':'))
         differs = self._parts.get(name, (0, ''))[1] != text
@@ -95,8 +94,7 @@ class NewestLog:
 
     def since(self, count: int) -> list[Any]:
         """Return the entries that were added when there were `count` already."""
-        new = min(self.count - count, len(self._kept))
-        return [self._kept[place] for place in range(len(self._kept) - new, len(self._kept))]
+        return list(self._kept)[max(0, len(self._kept) - self.count + count):]
 
 
 class TrackLog:
@@ -175,17 +173,16 @@ class LiveRobot:
     def update(self, name: str, message: Any, now: float) -> None:
         """Take a message of a topic of the driver."""
         collector, part = self.collector, PARTS[name]
-        before, pose = collector.newest.get(name), collector.pose
-        for begun in collector.take(name, now, message):
+        pose, new = collector.pose, collector.take(name, now, message)
+        if new is None:
+            return
+        for begun in new:
             self.happened(begun.level, begun.sentence, now)
             if begun.kind == 'odometry':
                 self.forget()
             elif begun.kind in ON_THE_MAP and collector.pose is not None:
                 x, y, _ = collector.pose
                 self.events.add([begun.kind, round(x, 3), round(y, 3), begun.text])
-        newest = collector.newest.get(name)
-        if newest is None or newest is before:
-            return  # the diagnostics of another node
         if not NAMES[name].latched:  # it comes again without a change
             last, _ = self._seen.get(part, (now, now))
             self._seen[part] = now, now + min(OLDEST, max(OLD, 3 * (now - last)))
@@ -193,9 +190,9 @@ class LiveRobot:
             if collector.pose is None or collector.pose is pose:
                 return  # it is no place
             self.track.add(collector.pose)
-        self.parts.put(part, self._part(name, newest, now))
+        self.parts.put(part, self._part(name, collector.newest[name], now))
 
-    def _part(self, name: str, message: Any, now: float) -> Json:
+    def _part(self, name: str, message: Any, now: float) -> Any:
         """Return the part that is made from a message."""
         match name:
             case 'odom' if pose := self.collector.pose:
