@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`create_check`: moves, what they show, and the program at a simulated robot's port."""
 
+from contextlib import closing
 from dataclasses import replace
 import fcntl
 from math import degrees, radians
@@ -20,6 +21,7 @@ from create_oi_ros.apps.check.questions import by_tape, in_lines, Person
 from create_oi_ros.apps.check.robot_line import Notebook, RobotLine, Runner
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_gyro, of_wheels
 from create_oi_ros.driver import Settings
+from create_oi_ros.link.port import Port
 from create_oi_ros.odometry import GyroSettings, Knowledge, Rounding, SignSource
 from create_oi_ros.odometry.gyro import STEP
 from create_oi_ros.ros.odometry_model import parsed, text_of
@@ -179,6 +181,18 @@ def test_a_port_that_fails_ends_what_waits_for_the_robot(tmp_path):
                          line.wait_for_robot):
                 with pytest.raises(UserError, match='the line to the robot has failed'):
                     wait()
+
+
+def test_of_a_slow_line_all_is_awaited_that_the_first_steps_ask_for(tmp_path):
+    with taught(tmp_path) as (port, control):
+        with closing(Port(str(port), 57600, timeout=0.02)) as host:
+            host.write(oi.Start().encode() + oi.Baud(code=oi.BaudCode.B19200).encode())
+            while control.truth()['baud'] != 19200:
+                pass
+        line = RobotLine(str(port), 19200, str(tmp_path / 'all.capture'))
+        with line.open():
+            line.wait_for_robot()
+            assert not line.session.health().readings.charging_sources
 
 
 @pytest.fixture

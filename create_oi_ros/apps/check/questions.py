@@ -91,12 +91,11 @@ def about_banner(line: RobotLine, person: Person) -> Finding:
 def about_dock(line: RobotLine) -> Finding:
     """Say what the robot does on its dock, if it stands there."""
     readings = line.session.health().readings
-    if not readings.has('charging_sources') or not readings.charging_sources:
+    if not readings.charging_sources:
         return Finding('Passive on the dock', 'not looked at: it was not on its dock',
                        'nothing')
     line.enter(oi.Mode.PASSIVE)
-    charging = line.until(lambda health: health.readings.has('charging_state')
-                          and charges(health.readings), DOCKED)
+    charging = line.until(lambda health: charges(health.readings), DOCKED)
     safe = line.enter(oi.Mode.SAFE)
     answer = 'charging begins' if charging else f'no charging within {DOCKED:.0f} s'
     answer += ('; on the dock it enters Safe' if safe.ok

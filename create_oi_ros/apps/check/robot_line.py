@@ -215,12 +215,13 @@ class RobotLine:
         raise UserError('the line to the robot has failed; see above for why')
 
     def wait_for_robot(self) -> None:
-        """Wait until the robot answers; UserError: it does not."""
-        def settled(health: Health) -> object:
-            return health.answered and self.notebook.seconds or (
-                self.session.port is None and health.line_problem)
-        if not (self.until(settled, ANSWER) and self.notebook.seconds):
-            raise UserError(self.session.health().line_problem or (
+        """Wait for all that is asked about before the first move; UserError: no robot answers."""
+        def heard(health: Health) -> bool:  # on a slow line, not in the first frames
+            return health.readings.has('charging_sources', 'charging_state')
+        self.until(lambda health: heard(health) or (
+            self.session.port is None and health.line_problem), ANSWER)
+        if not heard(health := self.session.health()):
+            raise UserError(health.line_problem or (
                 f'no robot answers at {self.session.url} within {ANSWER:.0f} s: is it switched '
                 'on, and the cable in?'))
 
