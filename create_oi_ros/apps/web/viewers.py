@@ -98,8 +98,9 @@ class NewestGoal:
     def _show(self, goal: Goal) -> None:
         text = '' if goal.reply is None else goal.reply.text
         if goal.reply is not None:
-            self._node.robot.happened('error' if goal.state is GoalState.FAILED else '',
-                                 f'{goal.name.replace("_", " ")}: {text}', time.monotonic())
+            self._node.robot.happened(
+                'error' if goal.state is GoalState.FAILED else '',
+                f'{goal.name.replace("_", " ")}: {text}', time.monotonic())
         if goal is self._goal:
             runs = goal.state is GoalState.UNDER_WAY and goal.feedback is not None
             self._node.robot.parts.put(self._part, {
