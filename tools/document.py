@@ -23,7 +23,7 @@ from create_oi_ros.oi.commands import COMMANDS
 from create_oi_ros.oi.packets import GROUPS, size_of
 from create_oi_ros.oi.readings import PACKETS
 from create_oi_ros.oi.tools.tables import commands_table, packets_table, Row
-from create_oi_ros.ros.actions import ALL_ACTIONS
+from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.parameters import allowed, Parameters, shown
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import ALL_TOPICS, type_name
@@ -59,7 +59,7 @@ def actions() -> str:
     return table(('action', 'type', 'goal', 'what'), (
         (f'`{action.name}`', type_name(action.type),
          ', '.join(f'`{name}`' for name in action.type.Goal.get_fields_and_field_types()),
-         action.about) for action in ALL_ACTIONS))
+         action.about) for action in ACTIONS))
 
 
 def parameters() -> str:
@@ -155,7 +155,7 @@ TABLES: dict[str, Callable[[], str]] = {
     'topics': topics, 'services': services, 'actions': actions, 'parameters': parameters}
 POLICY: dict[str, Callable[[], str]] = {
     'all topics': lambda: policy_names('topic', (topic.name for topic in ALL_TOPICS)),
-    'all actions': lambda: policy_names('action', (action.name for action in ALL_ACTIONS)),
+    'all actions': lambda: policy_names('action', (action.name for action in ACTIONS)),
     'all services': lambda: policy_names('service', (service.name for service in SERVICES))}
 OPEN_INTERFACE: dict[str, Callable[[], str]] = {
     'table: commands': partial(framed, commands_table),

@@ -165,10 +165,6 @@ ACTIONS = (
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
         make=lambda goal: goals.Undock(seconds(goal.time_allowance)),
         feedback=distance_left),
-)
-"""The actions that drive the robot."""
-ALL_ACTIONS = (
-    *ACTIONS,
     Action(
         name='audio_note_sequence', type=AudioNoteSequence,
         about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)',
@@ -177,12 +173,12 @@ ALL_ACTIONS = (
         feedback=note_played,
         news=lambda tune: (tune.iterations_played, tune.note), result=tune_result),
 )
-ACTION_TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
+ACTION_TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
 
 
 def malformed(name: str, request: Any) -> str:
     """Say what is wrong with a goal of the action of this name; empty: nothing in itself."""
-    action, = (each for each in ALL_ACTIONS if each.name == name)
+    action, = (each for each in ACTIONS if each.name == name)
     try:
         action.make(request)
     except ValueError as error:
@@ -231,7 +227,7 @@ class Actions:
         self._session = session
         self._odom_frame = parameters.odom_frame
         self._pursued: list[Pursued] = []
-        for action in ALL_ACTIONS:
+        for action in ACTIONS:
             ActionServer(
                 node, action.type, action.name, partial(self._execute, action),
                 callback_group=ReentrantCallbackGroup(),

@@ -131,7 +131,8 @@ def node():
         rclpy.shutdown()
 
 
-@pytest.mark.parametrize('action', ACTIONS, ids=lambda each: each.name)
+@pytest.mark.parametrize('action', [
+    each for each in ACTIONS if each.name != 'audio_note_sequence'], ids=lambda each: each.name)
 @settings(max_examples=8)
 @given(st.data())
 def test_a_goal_is_malformed_in_words_or_pursued_by_legal_commands(action, data):

@@ -23,7 +23,7 @@ from rclpy.task import Future
 
 from create_oi_ros.apps.lidar import LidarNode
 from create_oi_ros.apps.web.viewers import WebNode
-from create_oi_ros.ros.actions import ACTION_TYPES, ALL_ACTIONS
+from create_oi_ros.ros.actions import ACTION_TYPES, ACTIONS
 from create_oi_ros.ros.bags import Recorder
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.services import SERVICES
@@ -124,7 +124,7 @@ def test_a_pilot_may_drive_listen_and_ask():
     assert allowed(pilot, 'publish') == {'/cmd_vel', *EVERY_NODE}
     assert allowed(pilot, 'subscribe') == full([topic.name for topic in ALL_TOPICS])
     assert allowed(pilot, 'request') == full([service.name for service in SERVICES])
-    assert actions(pilot, 'call') == {action.name for action in ALL_ACTIONS}
+    assert actions(pilot, 'call') == {action.name for action in ACTIONS}
 
 
 def drive(who: Listener, until: Callable[[], object]) -> None:
