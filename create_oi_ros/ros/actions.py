@@ -126,8 +126,8 @@ class Action:
     """Ends it, if it has not ended, and says why."""
     feedback: Callable[[Any], Values]
     """Returns the fields of feedback."""
-    news: Callable[[Any], object] | None = None
-    """Returns what must change for feedback to be sent; None: it is sent ten times a second."""
+    news: Callable[[Any, int], object] = lambda goal, frames: frames // FEEDBACK_EVERY
+    """Returns what must change for feedback to be sent, after so many frames."""
     result: Callable[[Any], Values] = goal_result
     """Returns the fields of the result."""
 
@@ -171,7 +171,7 @@ ACTIONS = (
         make=tune, start=lambda driver, tune, now: driver.songs.play_tune(tune, now),
         cancel=lambda driver, tune, _, why: driver.songs.cancel(tune, why.text),
         feedback=note_played,
-        news=lambda tune: (tune.iterations_played, tune.note), result=tune_result),
+        news=lambda tune, _: (tune.iterations_played, tune.note), result=tune_result),
 )
 ACTION_TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
 
@@ -192,19 +192,14 @@ class Pursued:
     def __init__(self, action: Action, started: Any, handle: ServerGoalHandle) -> None:
         self.action, self.started, self.handle = action, started, handle
         self._frames = 0
-        self._news = self._newest()
+        self._news = action.news(started, 0)
         self.unheard = 0
         """Checks of the graph in a row that showed no client."""
-
-    def _newest(self) -> object:
-        if self.action.news is None:
-            return self._frames // FEEDBACK_EVERY
-        return self.action.news(self.started)
 
     def report(self) -> None:
         """Send feedback where there is news; called in every frame."""
         self._frames += 1
-        before, self._news = self._news, self._newest()
+        before, self._news = self._news, self.action.news(self.started, self._frames)
         if self._news != before and self.started.outcome is None:
             self.handle.publish_feedback(
                 self.action.type.Feedback(**self.action.feedback(self.started)))
