@@ -44,8 +44,8 @@ class CreateNode(Node):
         No port is opened yet.
         """
         try:
-            super().__init__(node_arguments.NODE,
-                             automatically_declare_parameters_from_overrides=True, **options)
+            super().__init__(
+                node_arguments.NODE, automatically_declare_parameters_from_overrides=True, **options)
         except ValueError as error:
             if 'PARAMETER_NOT_SET' not in str(error):
                 raise
@@ -167,31 +167,24 @@ class CreateNode(Node):
             self._mode.publish(messages.mode(status, header))
 
     def _watch_and_report(self) -> None:
-        """Look for mistakes in the graph and for lost clients; publish the diagnostics."""
-        if self._graph.check():
+        """Look for mistakes in the graph and for lost clients; publish what waits for time."""
+        other_driver_ended = self._graph.check()
+        if other_driver_ended or self._mode_waits:
             with self.session.request() as (driver, _now):
                 self._publish_mode(driver.status)
-                self._frames.repeat()
+                if other_driver_ended:
+                    self._frames.repeat()
         self._actions.check_clients()
-        self._check_time()
-        if self._diagnostics.get_subscription_count() and self._stamps.now() is not None:
-            self._publish_diagnostics()
-        else:
-            self._counts = replace(self.session.driver.counts)
-
-    def _check_time(self) -> None:
-        """Publish a mode that waited for the time; warn while there is none."""
-        if self._stamps.now() is not None:
-            self._seconds_without_time = 0
-            if self._mode_waits:
-                with self.session.request() as (driver, _now):
-                    self._publish_mode(driver.status)
-            return
-        self._seconds_without_time += 1
+        timeless = self._stamps.now() is None
+        self._seconds_without_time = self._seconds_without_time + 1 if timeless else 0
         if self._seconds_without_time % CLOCK_WARNING_INTERVAL == 2:  # it may have to be found
             self.get_logger().warning(
                 'use_sim_time is true, but no time comes on /clock: no topic is published, '
                 'commands are followed. Start what publishes /clock, or leave use_sim_time out')
+        if self._diagnostics.get_subscription_count() and not timeless:
+            self._publish_diagnostics()
+        else:
+            self._counts = replace(self.session.driver.counts)
 
     def _publish_diagnostics(self) -> None:
         health = self.session.health()
