@@ -33,14 +33,14 @@ TYPES: dict[str, tuple[type, ...]] = {
 RELIABLE_CHECKS = 10
 """Checks of the publishers in a row that must all be reliable, until the subscription is again."""
 MODE_TYPE = 'create_oi_msgs/msg/Mode'
-COMMANDS = {f'geometry_msgs/msg/{type_.__name__}': type_ for type_ in (Twist, TwistStamped)}
+COMMANDS: dict[str, type] = {
+    f'geometry_msgs/msg/{type_.__name__}': type_ for type_ in (Twist, TwistStamped)}
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """What ROS calls a node that it has not heard of yet, though an endpoint of it was found."""
 CHECK_INTERVAL, SEARCH_INTERVAL = 1.0, 0.2
 """Seconds between two looks for the driver, when it was there and when it was not."""
 UNUSED_CHECKS = 10
 """Checks without a command after which the publisher ends."""
-NEWEST = QoSProfile(depth=1)
 STOP_TIMEOUT = Duration(seconds=1.0)
 """How long to wait until the last command has arrived."""
 
@@ -163,11 +163,9 @@ def driver_type(node: Node) -> type | None:
         for topic, types in node.get_topic_names_and_types() if MODE_TYPE in types
         for each in node.get_publishers_info_by_topic(topic) if each.node_name != UNNAMED}
     for each in node.get_subscriptions_info_by_topic(CMD_VEL):
-        names = each.node_name, each.node_name.removesuffix(f'_{CMD_VEL}')
-        if each.topic_type in COMMANDS and any(
-                (each.node_namespace, name) in drivers for name in names):
-            found: type = COMMANDS[each.topic_type]
-            return found
+        owner = each.node_namespace, each.node_name.removesuffix(f'_{CMD_VEL}')
+        if owner in drivers and each.topic_type in COMMANDS:
+            return COMMANDS[each.topic_type]
     return None
 
 
@@ -209,7 +207,7 @@ class VelocityOutput:
         if self._type is None:
             return
         if self._publisher is None:
-            self._publisher = self._node.create_publisher(self._type, CMD_VEL, NEWEST)
+            self._publisher = self._node.create_publisher(self._type, CMD_VEL, 1)
         self._unused = 0
         twist = Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
         if self._type is Twist:
