@@ -19,6 +19,7 @@ from ..driver import BatteryLevel, Charging, Health, LinkCounts
 from ..driver.goals.goal import bumps
 from ..odometry import Knowledge, Known
 from . import messages
+from .messages import Values
 from .parameters import Parameters
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -29,7 +30,6 @@ BATTERY = ('charging_state', 'voltage', 'current', 'battery_temperature')
 TOUCHED = ('bumps_and_wheel_drops', 'overcurrents', 'charging_sources')
 LINK, PARAMETERS = 'serial link', 'parameters'
 """Names of two statuses, for programs that read them."""
-Values = dict[str, object]
 
 
 def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticStatus:

@@ -45,7 +45,7 @@ class CreateNode(Node):
         """
         try:
             super().__init__(
-                node_arguments.NODE, automatically_declare_parameters_from_overrides=True, **options)
+                'create', automatically_declare_parameters_from_overrides=True, **options)
         except ValueError as error:
             if 'PARAMETER_NOT_SET' not in str(error):
                 raise

@@ -5,17 +5,14 @@
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Sequence
 from dataclasses import fields
-from difflib import get_close_matches
 import textwrap
 
 from rclpy.utilities import remove_ros_args
 
 from .. import __version__
-from .parameters import allowed, Parameters, shown
+from .parameters import allowed, Parameters, shown, suggestion
 
 WIDTH = 96
-NODE = 'create'
-"""The node's name, unless it is remapped."""
 ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
 """Arguments that ROS knows, after --ros-args."""
 
@@ -84,5 +81,4 @@ def refusal(unknown: Sequence[str], options: Sequence[str] = ('--help', '--versi
         value = value or (unknown[1] if len(unknown) > 1 else 'VALUE')
         return f'{first} is a parameter: write --ros-args -p {name}:={value}'
     known |= {each.lstrip('-').replace('-', '_'): each for each in options}
-    near = get_close_matches(name, known, 1)
-    return f'unknown argument {first}' + (f': did you mean {known[near[0]]}?' if near else '')
+    return f'unknown argument {first}{suggestion(name, known)}'

@@ -230,8 +230,8 @@ def declare(node: Node) -> Parameters:
         elif name.startswith(OF_ROS):
             continue
         else:
-            node.get_logger().warning(
-                f'parameter {name} is unknown and ignored{suggestion(name, DECLARED)}')
+            meant = suggestion(name, {each: each for each in DECLARED})
+            node.get_logger().warning(f'parameter {name} is unknown and ignored{meant}')
         node.undeclare_parameter(name)
     values = {}
     for name in DECLARED:
@@ -363,10 +363,10 @@ def shown(default: Any) -> str:
     return default or "''" if isinstance(default, str) else written(default)
 
 
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return a question for the nearest known name; empty where none is near."""
-    found = get_close_matches(name, list(known), 1)
-    return f': did you mean {found[0]}?' if found else ''
+def suggestion(name: str, known: Mapping[str, str]) -> str:
+    """Return a question for the nearest known name, as its text; empty where none is near."""
+    found = get_close_matches(name, known, 1)
+    return f': did you mean {known[found[0]]}?' if found else ''
 
 
 def allowed(facts: Mapping[str, Any]) -> str:
