@@ -275,7 +275,7 @@ def filled(message: Any, values: Mapping[str, Any], where: str) -> Any:
     """
     Set fields of a message, also those of messages in it, and return it.
 
-    A mapping stands for a message in it. A whole number becomes a float where the field is one.
+    A mapping stands for a message in it. Whole numbers become floats where the field has floats.
     ValueError: there is no such field, or the value does not fit; without its check fields, ROS
     would send something else, or abort.
     """
@@ -290,16 +290,22 @@ def filled(message: Any, values: Mapping[str, Any], where: str) -> Any:
         try:
             if isinstance(value, Mapping) and '/' in types[field]:
                 value = filled(type(present)(check_fields=True), value, f'{where}: {field}')
-            elif isinstance(value, Real) and not isinstance(value, bool):
-                if isinstance(present, float):
-                    value = float(value)
-                elif isinstance(value, Integral):  # such as one of numpy's
-                    value = int(value)
-            setattr(message, field, value)
+            setattr(message, field, _number(value, types[field]))
         except (AssertionError, OverflowError):  # 10 ** 400 is no float
             raise ValueError(f'{where}: {field} = {value!r:.50}; allowed is a value of type '
                              f'{types[field]}') from None
     return message
+
+
+def _number(value: Any, kind: str) -> Any:
+    """Return a number, or all numbers of a list, as a field of this type takes it."""
+    if isinstance(value, list | tuple):
+        return [_number(each, kind) for each in value]
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return value
+    if 'float' in kind or 'double' in kind:
+        return float(value)
+    return int(value) if isinstance(value, Integral) else value  # such as one of numpy's
 
 
 def of_yaw(yaw: float) -> tuple[float, float]:

@@ -7,6 +7,7 @@ from re import fullmatch
 import signal
 
 from create_oi_msgs.action import DriveDistance, NavigateToPosition
+from create_oi_msgs.srv import DefineSong
 from geometry_msgs.msg import Point, PoseStamped
 import pytest
 
@@ -46,6 +47,15 @@ def test_whole_numbers_are_taken_for_floats_also_inside_a_message():
     goal = filled(NavigateToPosition.Goal(check_fields=True), {'goal_pose': there}, 'x')
     assert isinstance(goal.goal_pose.pose.position.x, float)
     assert goal.goal_pose.pose.position.x == 1.0
+
+
+def test_whole_numbers_are_taken_for_floats_also_in_a_list():
+    song = filled(DefineSong.Request(check_fields=True),
+                  {'pitches': (60, 64), 'seconds': [1, 0.5]}, 'x')
+    assert (list(song.pitches), list(song.seconds)) == ([60, 64], [1.0, 0.5])
+    for wrong in ([True, 0.5], ['a'], 1, [10 ** 400]):
+        with pytest.raises(ValueError, match='allowed is a value of type sequence<float>'):
+            filled(DefineSong.Request(check_fields=True), {'seconds': wrong}, 'x')
 
 
 @pytest.mark.parametrize(('fields', 'words'), [
