@@ -39,10 +39,8 @@ def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticS
         values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
 
 
-def serial_link(
-    health: Health, port: str, before: LinkCounts, seconds: float,
-) -> DiagnosticStatus:
-    """Say how well the line works; faults are counted over the last interval."""
+def serial_link(health: Health, port: str, before: LinkCounts) -> DiagnosticStatus:
+    """Say how well the line works; `before` are the counts of a second ago."""
     counts = health.counts
     faults = counts.checksum_failures - before.checksum_failures
     faults += counts.implausible_frames - before.implausible_frames
@@ -57,7 +55,7 @@ def serial_link(
         level, message = WARN, 'bytes arrive damaged: look at plug, cable and motors nearby'
     age = health.frame_age
     return status(LINK, level, message, {
-        'port': port, 'frames per second': round((counts.frames - before.frames) / seconds, 1),
+        'port': port, 'frames per second': float(counts.frames - before.frames),
         'damaged frames': faults, 'garbage bytes': garbage,
         'odd values': counts.odd_values - before.odd_values,
         'odd packets': _odd(health.odd) or 'none',

@@ -30,8 +30,6 @@ from .publishing import CLOCK_WARNING_INTERVAL, FramePublisher, publisher
 from .velocity import VelocityInput
 from .waiting import announce
 
-DIAGNOSTICS_PERIOD = 1.0
-
 
 class CreateNode(Node):
     """Publishes what the robot senses, and passes commands to it."""
@@ -73,8 +71,7 @@ class CreateNode(Node):
         self._hardware_id = f'iRobot Create at {self.parameters.port}' + (
             f' ({namespace})' if namespace != '/' else '')
         self._timer = self.create_timer(  # it does not wait for a simulated clock
-            DIAGNOSTICS_PERIOD, self._watch_and_report,
-            clock=Clock(clock_type=ClockType.STEADY_TIME))
+            1.0, self._watch_and_report, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._publish_mode(self.session.driver.status)
         self._announced = announce(
             self.context.get_domain_id(), self.get_fully_qualified_name())
@@ -167,7 +164,7 @@ class CreateNode(Node):
             self._mode.publish(messages.mode(status, header))
 
     def _watch_and_report(self) -> None:
-        """Look for mistakes in the graph and for lost clients; publish what waits for time."""
+        """Look for mistakes and lost clients, and publish diagnostics; called once a second."""
         other_driver_ended = self._graph.check()
         if other_driver_ended or self._mode_waits:
             with self.session.request() as (driver, _now):
@@ -189,8 +186,7 @@ class CreateNode(Node):
     def _publish_diagnostics(self) -> None:
         health = self.session.health()
         message = topics.DIAGNOSTICS.type(status=[
-            diagnostics.serial_link(
-                health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
+            diagnostics.serial_link(health, self.parameters.port, self._counts),
             diagnostics.mode(health), diagnostics.safety(health),
             diagnostics.battery(health, charge_known=self.parameters.charge_known),
             diagnostics.driver(health, self._stale, self._graph.publishers),

@@ -36,7 +36,7 @@ def all_of(loop: Loop, before: LinkCounts | None = None) -> dict[str, Diagnostic
     """Return the statuses that the node would publish, by their names."""
     health = loop.driver.health(loop.now)
     made = [
-        diagnostics.serial_link(health, 'port', before or LinkCounts(), 1.0),
+        diagnostics.serial_link(health, 'port', before or LinkCounts()),
         diagnostics.mode(health), diagnostics.safety(health),
         diagnostics.battery(health, charge_known=True),
         diagnostics.driver(health, 0, ())]
