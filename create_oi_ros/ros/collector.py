@@ -64,7 +64,7 @@ class Span:
                 return f'Plays {self.text}'
             case 'charging':
                 return f'Charging: {self.text}'
-            case 'odometry':
+            case 'jump':
                 return self.text
         return f'{CONTACTS.get(self.kind, f"{self.kind}:")} {self.text}'
 
@@ -141,7 +141,7 @@ class Collector:
         self.spans = {kind: Spans(kind, most) for kind in KINDS}
         self.warnings: dict[str, Spans] = {}
         """Warnings of the diagnostics, by the name of the status."""
-        self.jumps = Spans('odometry', most)
+        self.jumps = Spans('jump', most)
         """Where the odometry goes on elsewhere, without the robot's driving there."""
         self.pose: FlatPose | None = None
         """The newest pose by the odometry, if it is one."""

@@ -10,7 +10,9 @@ import signal
 import socket
 
 import aiohttp
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import BatteryState
 
@@ -244,6 +246,20 @@ def test_a_track_of_days_stays_small_and_goes_all_the_way():
     assert len(xs) <= MOST_POINTS and (xs[0], xs[-1]) == (0.0, 0.5 * 59_999)
     assert max(b - a for a, b in zip(xs, xs[1:])) <= 8.0
     assert track.since(len(track) - 1) == [xs[-1], 0.0]
+
+
+def test_a_warning_about_the_odometry_leaves_the_track_and_another_place_begins_it_anew():
+    robot, elsewhere = LiveRobot(), Odometry()
+    elsewhere.pose.pose.position.x = 5.0
+    robot.update('odom', Odometry(), 0.0)
+    robot.update('diagnostics', DiagnosticArray(status=[
+        DiagnosticStatus(name='create: serial link'),
+        DiagnosticStatus(name='create: odometry', level=b'\x01', message='wheels slip')]), 0.1)
+    assert len(robot.log.since(0)) == 1, 'it is told'
+    assert (len(robot.track), robot.resets) == (1, 0)
+    robot.update('odom', elsewhere, 0.2)
+    assert (len(robot.track), robot.resets) == (1, 1)
+    assert robot.track.since(0) == [5.0, 0.0]
 
 
 def test_the_time_of_the_battery_is_its_charge_over_the_mean_current():

@@ -91,6 +91,15 @@ def test_a_warning_lasts_until_its_status_is_fine_or_another():
     assert [(span.start, span.end) for span in made.warnings['battery'].all] == [(1, 3), (3, 4)]
 
 
+def test_a_warning_about_the_odometry_is_no_jump_of_it():
+    said = diagnostics(DiagnosticStatus(name='odometry', level=b'\x01', message='wheels slip'))
+    made = Collector()
+    warned = collected((0.0, odom(1.0)), (0.1, said), collector=made)
+    assert warned == [('odometry', 'odometry: wheels slip', 'warn')]
+    (kind, sentence, _), = collected((0.2, odom(5.0)), collector=made)
+    assert kind != 'odometry' and sentence.startswith('Odometry jumps by 4.00 m')
+
+
 def test_diagnostics_of_others_do_not_count():
     made = Collector('robot1')
     values = [KeyValue(key='version', value='9')]

@@ -42,7 +42,7 @@ def events(recording: Recording) -> list[TimelineEvent]:
                 before = span.text
                 found.append(TimelineEvent(span.start, kind, span.sentence))
     for span in recording.events.jumps.all:
-        found.append(TimelineEvent(span.start, span.kind, span.sentence))
+        found.append(TimelineEvent(span.start, 'odometry', span.sentence))
     for span in recording.gaps:
         found.append(TimelineEvent(span.start, 'gap', f'Gap{_duration(span)}: {span.text}'))
     return sorted(found, key=lambda each: each.time)

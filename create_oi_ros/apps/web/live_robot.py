@@ -178,7 +178,7 @@ class LiveRobot:
             return
         for begun in new:
             self.happened(begun.level, begun.sentence, now)
-            if begun.kind == 'odometry':
+            if begun.kind == 'jump':
                 self.forget()
             elif begun.kind in ON_THE_MAP and collector.pose is not None:
                 x, y, _ = collector.pose
