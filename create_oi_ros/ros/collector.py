@@ -27,6 +27,9 @@ from .topics import PUBLISHED
 CONTACTS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
             'overcurrent': 'Too much current', 'buttons': 'Button'}
 """Kinds of events that come from flags, and how their sentences begin."""
+BEGINNINGS = {**CONTACTS, 'mode': 'Mode', 'song': 'Plays', 'charging': 'Charging:',
+              'jump': 'Odometry'}
+"""How the sentences of all kinds begin; those of a warning begin with its status."""
 HAZARDS = ('bumper', 'cliff', 'wheel drop', 'overcurrent')
 KINDS = ('mode', *CONTACTS, 'song', 'charging')
 NAMES = {topic.name.lstrip('/'): topic for topic in PUBLISHED}
@@ -57,16 +60,8 @@ class Span:
     @property
     def sentence(self) -> str:
         """What a person reads of it."""
-        match self.kind:
-            case 'mode':
-                return f'Mode {self.text}' + (f' ({self.reason})' if self.reason else '')
-            case 'song':
-                return f'Plays {self.text}'
-            case 'charging':
-                return f'Charging: {self.text}'
-            case 'jump':
-                return self.text
-        return f'{CONTACTS.get(self.kind, f"{self.kind}:")} {self.text}'
+        begin = BEGINNINGS.get(self.kind, f'{self.kind}:')
+        return f'{begin} {self.text}' + (f' ({self.reason})' if self.reason else '')
 
 
 class Spans:
@@ -126,8 +121,8 @@ class FlatPose(NamedTuple):
                 turned <= TURN_STEP + FASTEST_TURN * seconds):
             return ''
         if hypot(self.x, self.y) < STEP:
-            return 'Odometry begins anew (reset_odometry, or the driver was restarted)'
-        return f'Odometry jumps by {moved:.2f} m, {degrees(turned):.0f} degrees (reset_pose)'
+            return 'begins anew (reset_odometry, or the driver was restarted)'
+        return f'jumps by {moved:.2f} m, {degrees(turned):.0f} degrees (reset_pose)'
 
 
 class Collector:

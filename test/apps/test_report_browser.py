@@ -223,7 +223,7 @@ def test_the_track_is_coloured_over_time_and_a_jump_breaks_it(empty_page, tmp_pa
     for tick in range(80):
         made.odom.add(tick / 4, tick % 40 * 9 / 39, 9.0 * (tick >= 40), 0.0, 0.5, 0.0)
     if jumps:
-        made.events.jumps.change(10.0, 'Odometry jumps by 12.73 m (reset_pose)')
+        made.events.jumps.change(10.0, 'jumps by 12.73 m (reset_pose)')
     show(empty_page, tmp_path, made)
     empty_page.until('document.getElementById("place").textContent.startsWith("x 9.00")')
     empty_page.wait(lambda: empty_page.page.evaluate("""() => {
