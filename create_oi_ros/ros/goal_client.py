@@ -9,6 +9,7 @@ So rclpy must not handle signals: it would shut ROS down before the cancel is se
 
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping
+from contextlib import suppress
 import sys
 from types import TracebackType
 from typing import Any, TypeVar
@@ -72,7 +73,8 @@ class GoalClient:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
                  trace: TracebackType | None) -> None:
         with end_in_time():
-            self._cancel_running()
+            with suppress(GoalFailed):  # the driver may have gone
+                self.cancel()
             self._runner.close()
             self._driver.destroy()
             self.node.destroy_node()
@@ -113,9 +115,13 @@ class GoalClient:
         if self._goal.state is GoalState.FAILED:
             self.result()
 
-    def is_complete(self) -> bool:
-        """Receive for a tenth of a second; return whether the goal has ended."""
-        return self._ended(COMPLETE_INTERVAL)
+    def is_complete(self, timeout: float = COMPLETE_INTERVAL) -> bool:
+        """Receive for so many seconds at most; return whether the goal has ended."""
+        if self._pursued is None:
+            return True
+        if not self._pursued.done():
+            self._run(asyncio.wait([self._pursued], timeout=timeout))
+        return self._pursued.done()
 
     def result(self) -> Any:
         """Return the result of the goal that has ended; GoalFailed: it was not reached."""
@@ -126,9 +132,10 @@ class GoalClient:
 
     def cancel(self) -> None:
         """Cancel the goal that runs, and wait for its end; GoalFailed: the driver is silent."""
-        if not self._cancel_running():
-            assert self._goal is not None
-            raise GoalFailed(f'{self._goal.name}: canceled, but the driver does not answer')
+        if self._goal is not None:
+            self._goal.cancel()
+            if not self.is_complete(CANCEL_TIMEOUT):
+                raise GoalFailed(f'{self._goal.name}: canceled, but the driver does not answer')
 
     def call(self, name: str, **fields: Any) -> Any:
         """Call the service with this name; return its reply, or raise GoalFailed."""
@@ -150,20 +157,6 @@ class GoalClient:
         while True:
             rclpy.spin_once(self.node, timeout_sec=SPIN_INTERVAL)
             await asyncio.sleep(0)
-
-    def _ended(self, timeout: float) -> bool:
-        """Receive for so many seconds at most; return whether the goal has ended."""
-        if self._pursued is None:
-            return True
-        if not self._pursued.done():
-            self._run(asyncio.wait([self._pursued], timeout=timeout))
-        return self._pursued.done()
-
-    def _cancel_running(self) -> bool:
-        """Cancel the goal that runs; return whether it has ended now."""
-        if self._goal is not None:
-            self._goal.cancel()
-        return self._ended(CANCEL_TIMEOUT)
 
     async def _answered(self, what: str, work: Coroutine[Any, Any, Result]) -> Result:
         """Wait for an answer of the driver; say once why it may not come."""
