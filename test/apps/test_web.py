@@ -31,7 +31,6 @@ from support.web import (
     refusal,
     Relay,
     served,
-    standing,
     stops_in_time,
 )
 
@@ -63,7 +62,7 @@ def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(shared, pages, gone)
 
     def stands() -> bool:
         seen.append(robot.create.actuators.wheels.left)
-        return standing(robot)
+        return robot.standing
     shared.ros.until(stands, within=IN_TIME)
     falls = [after for before, after in pairwise([last, *seen]) if after < before]
     assert set(falls) == {0}
@@ -74,7 +73,7 @@ def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(sh
     relay = Relay(int(address.rstrip('/').rpartition(':')[2]))
     with closing(relay):
         page = ready(pages(f'http://127.0.0.1:{relay.port}/'))
-        page.drive(0.2, 0.0, lambda: not standing(robot))
+        page.drive(0.2, 0.0, lambda: not robot.standing)
         relay.freeze()
         stops_in_time(shared.ros, robot)
         heard = shared.ros.listen(Twist, 'cmd_vel', 100)
@@ -86,7 +85,7 @@ def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(sh
         page.send('set_mode', mode=2)
         relay.thaw()
         assert page.reply()['to'] == 'set_mode', 'all have arrived'
-        assert standing(robot) and not heard
+        assert robot.standing and not heard
 
 
 @pytest.mark.parametrize(('end', 'timeout'), [(signal.SIGTERM, LONG), (signal.SIGKILL, 0.5)])
@@ -94,7 +93,7 @@ def test_the_wheels_stop_when_the_server_ends_or_is_killed(shared, pages, end, t
     assert shared.driver.set('cmd_vel_timeout', timeout)
     web, address = served(shared.driver.stage)
     page = ready(pages(address))
-    page.drive(0.2, 0.0, lambda: not standing(shared.robot))
+    page.drive(0.2, 0.0, lambda: not shared.robot.standing)
     web.send(end)
     if end is signal.SIGTERM:
         assert web.ended() == 0
@@ -118,7 +117,7 @@ def test_one_page_drives_and_others_watch_until_they_take_over(shared, pages):
     stops_in_time(shared.ros, robot)
     other.until(lambda: other.known['seat'] == {
         'driver': other.known['you'], 'device': 'computer', 'viewers': 2, 'stopped': False})
-    other.drive(-0.1, 0.0, lambda: not standing(robot))
+    other.drive(-0.1, 0.0, lambda: not robot.standing)
     page.send('drive', linear=0.1, angular=0.0, seen=page.known['at'])
     assert not page.reply()['ok']
     other.send('leave')
@@ -147,9 +146,9 @@ def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(shared, page
         page.read()
     page.send('set_mode', mode=2)
     page.reply()
-    assert standing(robot) and not any(each.linear.x for each in heard)
+    assert robot.standing and not any(each.linear.x for each in heard)
     page.send('release')
-    page.drive(0.2, 0.0, lambda: not standing(robot))
+    page.drive(0.2, 0.0, lambda: not robot.standing)
 
 
 def test_who_only_listens_to_commands_is_no_driver_and_does_not_choose_their_type(stage, pages):
@@ -160,18 +159,18 @@ def test_who_only_listens_to_commands_is_no_driver_and_does_not_choose_their_typ
     assert page.reply()['text'].startswith('no driver takes /cmd_vel')
     robot = stage.robot()
     stage.node(robot.link, cmd_vel_type='stamped')
-    ready(page).drive(0.2, 0.0, lambda: not standing(robot))
+    ready(page).drive(0.2, 0.0, lambda: not robot.standing)
     assert not recorded
 
 
 def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(shared, pages):
     robot, address = shared.robot, shared.address
     page = ready(pages(address, name='phone-1'))
-    page.drive(0.2, 0.0, lambda: not standing(robot))
+    page.drive(0.2, 0.0, lambda: not robot.standing)
     again = pages(address, name='phone-1')
     stops_in_time(shared.ros, robot)
     again.until(lambda: again.known['seat']['viewers'] == 1)
-    again.drive(0.2, 0.0, lambda: not standing(robot))
+    again.drive(0.2, 0.0, lambda: not robot.standing)
     again.send('ping')
     assert again.reply() == {'type': 'reply', 'to': 'ping', 'ok': True, 'text': ''}
 
@@ -211,7 +210,7 @@ def test_bad_messages_are_answered_and_nothing_moves(shared, pages):
         assert not reply['ok'] and 'allowed' in reply['text'] or 'no JSON' in reply['text']
     page.send_bytes(b'\x00\xff')
     assert page.reply()['text'] == 'allowed is text: a JSON object'
-    assert standing(robot) and robot.create.mode is Mode.SAFE
+    assert robot.standing and robot.create.mode is Mode.SAFE
 
 
 def test_a_page_that_sends_too_long_or_too_many_messages_is_disconnected(shared, pages):

@@ -22,7 +22,7 @@ from sensor_msgs.msg import BatteryState
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import parse
 from support.ros import Ready, scene
-from support.web import free_port, LONG, PageClient, Relay, served, standing, stops_in_time
+from support.web import free_port, LONG, PageClient, Relay, served, stops_in_time
 
 SIZES = {'phone': (360, 740), 'sideways': (740, 360), 'tablet': (768, 1024),
          'desktop': (1440, 900), 'wall': (2560, 1440), 'notebook': (1280, 720)}
@@ -126,7 +126,7 @@ def test_stop_stops_while_the_stick_is_still_held(stage, robot, shown):
     page = shown('tablet')
     for stop in ('button', 'Enter', 'Escape', ' '):
         page.grab(0.0, 0.7)
-        stage.ros.until(lambda: not standing(robot))
+        stage.ros.until(lambda: not robot.standing)
         if stop == 'button':
             page.evaluate("""document.getElementById('stop').dispatchEvent(
                 new PointerEvent('pointerdown', {bubbles: true, pointerId: 7}))""")
@@ -138,7 +138,7 @@ def test_stop_stops_while_the_stick_is_still_held(stage, robot, shown):
         page.until("""document.getElementById('stop-text').hidden
             && document.getElementById('toast').textContent === 'Stopped'""")
         page.page.mouse.move(300, 300)
-        assert standing(robot)
+        assert robot.standing
         page.page.mouse.up()
         page.evaluate("document.getElementById('toast').textContent = ''")
 
@@ -149,7 +149,7 @@ def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, show
     def drive() -> None:
         page.page.mouse.up()
         page.grab(0.3, 0.5)
-        stage.ros.until(lambda: not standing(robot))
+        stage.ros.until(lambda: not robot.standing)
     for gone in ('blur', 'pagehide'):
         drive()
         page.evaluate(f"dispatchEvent(new Event('{gone}'))")
@@ -189,7 +189,7 @@ def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage,
         def moves() -> bool:
             push(0.05, 0.05)
             push(0, -0.5)
-            return not standing(robot)
+            return not robot.standing
         stage.ros.until(moves)
 
     def must_be_let_go() -> None:
@@ -227,7 +227,7 @@ def press_stop(address: str) -> None:
 def test_stop_on_another_page_lets_the_stick_go(stage, robot, shown):
     page = shown()
     page.grab(0.0, 0.7)
-    stage.ros.until(lambda: not standing(robot))
+    stage.ros.until(lambda: not robot.standing)
     # A second page in this browser would take the focus, which lets the stick go as well.
     with ThreadPoolExecutor() as pool:
         pool.submit(press_stop, page.page.url).result()
@@ -261,7 +261,7 @@ def test_a_network_that_is_too_slow_to_drive_is_said(stage, robot, shown, relay)
     page.until(why('connection too slow to drive ('))
     page.grab(0.0, 0.7)
     page.page.wait_for_timeout(300)
-    assert standing(robot)
+    assert robot.standing
     page.page.mouse.up()
 
 

@@ -7,7 +7,7 @@ import signal
 
 import pytest
 
-from support.web import ready, Relay, standing
+from support.web import ready, Relay
 
 LONG_WAY = {'distance': 20.0, 'max_translation_speed': 0.3}
 
@@ -40,7 +40,7 @@ def pursued(page, name, **fields):
 def sets_out(page, robot, name, **fields):
     """Send a goal, and wait until the robot moves."""
     page.send(name, **fields)
-    page.until(lambda: not standing(robot) or page.replies)
+    page.until(lambda: not robot.standing or page.replies)
     assert not page.replies, 'it is under way'
 
 
@@ -81,7 +81,7 @@ def test_a_goal_that_cannot_be_reached_says_why(robot, opened):
     page.send('cancel', what='goal')
     assert page.reply()['text'] == 'no goal of a page is under way'
     page.send('drive_distance', distance='far')
-    assert not page.reply()['ok'] and standing(robot)
+    assert not page.reply()['ok'] and robot.standing
 
 
 def test_a_goal_ends_by_cancel_stop_and_take_over(shared, robot, opened):
@@ -91,7 +91,7 @@ def test_a_goal_ends_by_cancel_stop_and_take_over(shared, robot, opened):
         sets_out(page, robot, 'drive_distance', **LONG_WAY)
         other.send(end, **({'what': 'goal'} if end == 'cancel' else {}))
         assert not page.reply()['ok']
-        shared.ros.until(lambda: standing(robot))
+        shared.ros.until(lambda: robot.standing)
     page.send('drive_distance', **LONG_WAY)
     assert page.reply()['text'].startswith('another page drives')
 
@@ -103,7 +103,7 @@ def test_stop_right_behind_a_goal_stops_it(shared, robot, opened):
     replies = {reply['to']: reply['ok'] for reply in (page.reply(), page.reply())}
     assert replies == {'drive_distance': False, 'stop': True}
     page.until(lambda: goal_of(page).get('state') == 'canceled')
-    shared.ros.until(lambda: standing(robot))
+    shared.ros.until(lambda: robot.standing)
 
 
 def test_a_goal_ends_when_the_network_of_its_page_fails(shared, robot, opened):
@@ -114,7 +114,7 @@ def test_a_goal_ends_when_the_network_of_its_page_fails(shared, robot, opened):
         sets_out(page, robot, 'drive_distance', **LONG_WAY)
         relay.freeze()
         witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
-        shared.ros.until(lambda: standing(robot))
+        shared.ros.until(lambda: robot.standing)
 
 
 def test_a_goal_ends_when_its_page_or_the_driver_goes(shared, robot, opened):
@@ -122,7 +122,7 @@ def test_a_goal_ends_when_its_page_or_the_driver_goes(shared, robot, opened):
     sets_out(page, robot, 'drive_distance', **LONG_WAY)
     page.close()
     witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
-    shared.ros.until(lambda: standing(robot))
+    shared.ros.until(lambda: robot.standing)
     sets_out(witness, robot, 'drive_distance', **LONG_WAY)
     shared.driver.node.send(signal.SIGTERM)  # so no test comes after this one
     assert not witness.reply()['ok']

@@ -2,10 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every action as a user sees it: through ROS, with the node as a process."""
 
-from contextlib import closing
 from math import inf, nan, pi
 import signal
-from typing import Any
 
 from action_msgs.msg import GoalStatus
 from builtin_interfaces.msg import Duration
@@ -21,103 +19,28 @@ from create_oi_msgs.action import (
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
 import pytest
-from rclpy.action.client import ActionClient
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.ros.actions import malformed
 from create_oi_ros.sim.world import parse
-from support.ros import Listener, Ready
+from support.ros import Ready, Sent
 
 TUNE = (AudioNoteSequence, 'audio_note_sequence')
 BASE = parse('start 0.4 0 180\nhome_base 0 0 0', 'base')
 
 
-class Sent:
-    """A goal that was accepted."""
-
-    def __init__(self, ros: Listener, handle: Any, feedback: list[Any]) -> None:
-        self._ros, self._handle = ros, handle
-        self._result = handle.get_result_async()
-        self.feedback = feedback
-        self.status = 0
-
-    def result(self) -> Any:
-        """Wait for the result; its status is in `status` then."""
-        self._ros.until(self._result.done, 'a result')
-        wrapped = self._result.result()
-        self.status = wrapped.status
-        return wrapped.result
-
-    def cancel(self) -> bool:
-        """Cancel the goal; return whether that was accepted."""
-        answer = self._handle.cancel_goal_async()
-        self._ros.until(answer.done, 'the answer to a cancel')
-        return bool(answer.result().goals_canceling)
+def moving(ready: Ready, **fields: object) -> Sent:
+    """Start a long drive, and wait until the robot moves."""
+    sent = ready.ros.send(DriveDistance, 'drive_distance', distance=3.0, **fields)
+    # Feedback tells that it is this drive, not the end of the one before.
+    ready.ros.until(lambda: sent.feedback and ready.robot.body.truth().speed > 0.05, 'it moves')
+    return sent
 
 
-class Driving:
-    """A robot and its node, in Safe mode, and clients of its actions."""
-
-    def __init__(self, ready: Ready) -> None:
-        self.ready, self.ros = ready, ready.ros
-        self.robot, self.node = ready.robot, ready.node
-        self._clients: dict[str, ActionClient] = {}
-
-    def send(self, type_: Any, name: str, **fields: Any) -> Sent | None:
-        """Send a goal; return it, None where it was rejected."""
-        if name not in self._clients:
-            self._clients[name] = ActionClient(self.ros.node, type_, name)
-        client = self._clients[name]
-        self.ros.until(client.server_is_ready, f'action {name}')
-        feedback: list[Any] = []
-        answer = client.send_goal_async(
-            type_.Goal(**fields),
-            feedback_callback=lambda message: feedback.append(message.feedback))
-        self.ros.until(answer.done, f'the answer of {name}')
-        handle = answer.result()
-        return Sent(self.ros, handle, feedback) if handle.accepted else None
-
-    def result(self, type_: Any, name: str, **fields: Any) -> Any:
-        """Send a goal that is accepted, and wait for its result."""
-        sent = self.send(type_, name, **fields)
-        assert sent is not None, f'{name} was rejected'
-        return sent.result()
-
-    def moving(self, **fields):
-        """Start a long drive, and wait until the robot moves."""
-        sent = self.send(DriveDistance, 'drive_distance', distance=3.0, **fields)
-        # Feedback tells that it is this drive, not the end of the one before.
-        self.ros.until(lambda: sent.feedback and self.robot.body.truth().speed > 0.05, 'it moves')
-        return sent
-
-    @property
-    def asked_to_stand(self) -> bool:
-        """Whether zero is requested of the wheels."""
-        return self.robot.create.actuators.wheels == (0, 0)
-
-    def close(self) -> None:
-        """Destroy the clients, before their node."""
-        for client in self._clients.values():
-            client.destroy()
-
-
-@pytest.fixture(scope='module')
-def shared_robot(shared):
-    """Return the robot that tests share, and clients."""
-    with closing(Driving(shared)) as made:
-        yield made
-
-
-@pytest.fixture
-def driving(shared_robot, ready):
-    """Return it as if it were new."""
-    return shared_robot
-
-
-def test_motions_are_done_with_feedback_and_a_pose(driving):
-    sent = driving.send(DriveDistance, 'drive_distance', distance=0.3)
+def test_motions_are_done_with_feedback_and_a_pose(ready):
+    sent = ready.ros.send(DriveDistance, 'drive_distance', distance=0.3)
     result = sent.result()
     assert (sent.status, result.success, result.error_code) == (
         GoalStatus.STATUS_SUCCEEDED, True, DriveDistance.Result.NONE)
@@ -125,28 +48,28 @@ def test_motions_are_done_with_feedback_and_a_pose(driving):
     assert result.pose.header.frame_id == 'odom'
     assert result.pose.header.stamp.sec > 0
     assert result.pose.pose.position.x == pytest.approx(0.3, abs=0.01)
-    assert driving.robot.body.truth().pose.x == pytest.approx(0.3, abs=0.01)
+    assert ready.robot.body.truth().pose.x == pytest.approx(0.3, abs=0.01)
     left = [each.remaining_travel_distance for each in sent.feedback]
     assert len(left) > 5 and left[0] > 0.2 > left[-1] >= 0
-    sent = driving.send(RotateAngle, 'rotate_angle', angle=pi / 2)
+    sent = ready.ros.send(RotateAngle, 'rotate_angle', angle=pi / 2)
     assert sent.result().success
-    assert driving.robot.body.truth().pose.yaw == pytest.approx(pi / 2, abs=0.03)
+    assert ready.robot.body.truth().pose.yaw == pytest.approx(pi / 2, abs=0.03)
     assert sent.feedback[0].remaining_angle_travel > 1
-    sent = driving.send(DriveArc, 'drive_arc', angle=-pi / 2, radius=0.2,
-                      translate_direction=DriveArc.Goal.TRANSLATE_FORWARD)
+    sent = ready.ros.send(DriveArc, 'drive_arc', angle=-pi / 2, radius=0.2,
+                          translate_direction=DriveArc.Goal.TRANSLATE_FORWARD)
     assert sent.result().success
-    pose = driving.robot.body.truth().pose
+    pose = ready.robot.body.truth().pose
     assert (pose.x, pose.y) == pytest.approx((0.5, 0.2), abs=0.03)
     assert sent.feedback[0].remaining_angle_travel > 1
 
 
-def test_a_place_in_the_odometry_frame_is_reached(driving):
+def test_a_place_in_the_odometry_frame_is_reached(ready):
     goal = PoseStamped(header=Header(frame_id='odom'),
                        pose=Pose(position=Point(x=0.3, y=0.3)))
-    sent = driving.send(NavigateToPosition, 'navigate_to_position', goal_pose=goal,
-                      achieve_goal_heading=True)
+    sent = ready.ros.send(NavigateToPosition, 'navigate_to_position', goal_pose=goal,
+                          achieve_goal_heading=True)
     assert sent.result().success
-    pose = driving.robot.body.truth().pose
+    pose = ready.robot.body.truth().pose
     assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.3, 0.3, 0.0), abs=0.04)
     feedback = NavigateToPosition.Feedback
     assert list(dict.fromkeys(filter(None, (each.navigate_state for each in sent.feedback)))) == [
@@ -154,16 +77,16 @@ def test_a_place_in_the_odometry_frame_is_reached(driving):
         feedback.ROTATING_TO_GOAL_ORIENTATION]
 
 
-def test_the_robot_drives_to_a_place_that_is_published(driving):
-    places = driving.ros.node.create_publisher(PoseStamped, 'goal_pose', 1)
-    driving.ros.until(places.get_subscription_count, 'goal_pose')
+def test_the_robot_drives_to_a_place_that_is_published(ready):
+    places = ready.ros.node.create_publisher(PoseStamped, 'goal_pose', 1)
+    ready.ros.until(places.get_subscription_count, 'goal_pose')
     places.publish(PoseStamped(header=Header(frame_id='map')))
-    driving.ros.until(lambda: "goal_pose rejected: goal_pose is in frame 'map'"
-                      in driving.node.output, 'a rejection')
+    ready.ros.until(lambda: "goal_pose rejected: goal_pose is in frame 'map'"
+                    in ready.node.output, 'a rejection')
     places.publish(PoseStamped(
         header=Header(frame_id='odom'), pose=Pose(position=Point(x=0.1))))
-    driving.ros.until(lambda: 'goal_pose: at x 0.' in driving.node.output, 'the end')
-    pose = driving.robot.body.truth().pose
+    ready.ros.until(lambda: 'goal_pose: at x 0.' in ready.node.output, 'the end')
+    pose = ready.robot.body.truth().pose
     assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.1, 0.0, 0.0), abs=0.04)
 
 
@@ -195,38 +118,36 @@ def test_the_robot_drives_to_a_place_that_is_published(driving):
     (*TUNE, {'notes': ''}, 'a tune needs a note, such as C4:1/4'),
     (*TUNE, {'notes': 'C4:1', 'iterations': 0}, 'iterations = 0; allowed: above 0, or -1'),
 ], ids=lambda value: value if isinstance(value, str) else '')
-def test_a_malformed_goal_is_rejected_and_the_log_says_why(
-        shared_robot, type_, name, fields, says):
-    assert shared_robot.send(type_, name, **fields) is None
-    shared_robot.ros.until(
-        lambda: f'{name} rejected: {says}' in shared_robot.node.output, says)
-    assert shared_robot.asked_to_stand
+def test_a_malformed_goal_is_rejected_and_the_log_says_why(shared, type_, name, fields, says):
+    assert shared.ros.send(type_, name, **fields) is None
+    shared.ros.until(lambda: f'{name} rejected: {says}' in shared.node.output, says)
+    assert shared.robot.standing
     if type_ is not NavigateToPosition:  # its frame is the driver's
         assert says in malformed(name, type_.Goal(**fields))
 
 
-def test_a_cancel_stops_the_wheels(driving):
-    sent = driving.moving()
+def test_a_cancel_stops_the_wheels(ready):
+    sent = moving(ready)
     assert sent.cancel()
     result = sent.result()
     assert (sent.status, result.error_code) == (
         GoalStatus.STATUS_CANCELED, DriveDistance.Result.CANCELED)
-    driving.ros.until(lambda: driving.asked_to_stand, 'the wheels are told to stand')
+    ready.ros.until(lambda: ready.robot.standing, 'the wheels are told to stand')
 
 
-def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(driving):
-    first = driving.moving()
-    second = driving.send(RotateAngle, 'rotate_angle', angle=30.0)
+def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(ready):
+    first = moving(ready)
+    second = ready.ros.send(RotateAngle, 'rotate_angle', angle=30.0)
     result = first.result()
     assert (first.status, result.error_code) == (
         GoalStatus.STATUS_ABORTED, DriveDistance.Result.SUPERSEDED)
     assert 'another goal' in result.message
-    driving.ros.call(Trigger, 'stop')
+    ready.ros.call(Trigger, 'stop')
     assert second.result().error_code == RotateAngle.Result.STOPPED
-    driving.ros.until(lambda: driving.asked_to_stand, 'the wheels are told to stand')
-    third = driving.moving()
-    velocity = driving.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-    driving.ros.until(velocity.get_subscription_count, 'cmd_vel')
+    ready.ros.until(lambda: ready.robot.standing, 'the wheels are told to stand')
+    third = moving(ready)
+    velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    ready.ros.until(velocity.get_subscription_count, 'cmd_vel')
     velocity.publish(Twist(linear=Vector3(x=-0.1)))
     result = third.result()
     assert result.error_code == DriveDistance.Result.SUPERSEDED
@@ -234,18 +155,18 @@ def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(driv
 
 
 def test_a_robot_docks_and_leaves_its_dock(stage):
-    with closing(Driving(Ready(stage, world=BASE))) as driving:
-        sent = driving.send(Dock, 'dock')
-        result = sent.result()
-        assert result.success and result.is_docked, result.message
-        seen = [each for each in sent.feedback if each.sees_dock]
-        assert any(each.red_buoy or each.green_buoy for each in seen)
-        assert {each.state for each in sent.feedback} >= {Dock.Feedback.SEES_DOCK}
-        result = driving.result(Undock, 'undock')
-        assert result.success and not result.is_docked, result.message
-        assert 'by FULL' in result.message
-        driving.ready.until_mode(Mode.SAFE)
-        assert driving.result(Undock, 'undock').error_code == Undock.Result.NO_DOCK
+    ready = Ready(stage, world=BASE)
+    sent = ready.ros.send(Dock, 'dock')
+    result = sent.result()
+    assert result.success and result.is_docked, result.message
+    seen = [each for each in sent.feedback if each.sees_dock]
+    assert any(each.red_buoy or each.green_buoy for each in seen)
+    assert {each.state for each in sent.feedback} >= {Dock.Feedback.SEES_DOCK}
+    result = ready.ros.send(Undock, 'undock').result()
+    assert result.success and not result.is_docked, result.message
+    assert 'by FULL' in result.message
+    ready.until_mode(Mode.SAFE)
+    assert ready.ros.send(Undock, 'undock').result().error_code == Undock.Result.NO_DOCK
 
 
 CLIENT = """
@@ -266,26 +187,26 @@ rclpy.spin(node)
 
 def test_a_goal_ends_when_its_client_the_robot_or_the_driver_has_gone(stage):
     # Of a shared robot, another client would still be there.
-    with closing(Driving(Ready(stage))) as driving:
-        script = stage.folder / 'brief.py'
-        script.write_text(CLIENT)
-        client = stage.script(script)
-        driving.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
-        driving.ros.until(lambda: driving.robot.body.truth().speed > 0.1, 'the robot moves')
-        client.send(signal.SIGINT)
-        driving.ros.until(lambda: driving.asked_to_stand, 'the wheels stand')
-        assert driving.robot.body.truth().travelled < 4.0
-        sent = driving.moving()
-        driving.robot.unplug()
-        assert sent.result().error_code == Code.LINK
-        driving.ready.until_mode(Mode.UNKNOWN)
-        driving.robot.plug()
-        driving.ready.until_mode(Mode.SAFE)
-        sent = driving.moving()
-        driving.node.send(signal.SIGINT)
-        result = sent.result()
-        assert result.error_code == Code.LINK
-        assert 'the driver ends' in result.message
+    ready = Ready(stage)
+    script = stage.folder / 'brief.py'
+    script.write_text(CLIENT)
+    client = stage.script(script)
+    ready.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
+    ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1, 'the robot moves')
+    client.send(signal.SIGINT)
+    ready.ros.until(lambda: ready.robot.standing, 'the wheels stand')
+    assert ready.robot.body.truth().travelled < 4.0
+    sent = moving(ready)
+    ready.robot.unplug()
+    assert sent.result().error_code == Code.LINK
+    ready.until_mode(Mode.UNKNOWN)
+    ready.robot.plug()
+    ready.until_mode(Mode.SAFE)
+    sent = moving(ready)
+    ready.node.send(signal.SIGINT)
+    result = sent.result()
+    assert result.error_code == Code.LINK
+    assert 'the driver ends' in result.message
 
 
 # Actions that move no wheel.
@@ -295,14 +216,14 @@ RING_TONE = f'scale:d=16,o=5,b=180:{",".join(4 * "c c# d d# e f f# g g# a a#".sp
 """44 notes."""
 
 
-def play(driving, notes, **fields):
+def play(ready, notes, **fields):
     """Ask for a tune."""
-    return driving.send(*TUNE, notes=notes, **fields)
+    return ready.ros.send(*TUNE, notes=notes, **fields)
 
 
-def test_a_long_tune_is_played_while_the_robot_drives(driving):
-    tune = play(driving, RING_TONE)
-    drive = driving.send(DriveDistance, 'drive_distance', distance=0.1)
+def test_a_long_tune_is_played_while_the_robot_drives(ready):
+    tune = play(ready, RING_TONE)
+    drive = ready.ros.send(DriveDistance, 'drive_distance', distance=0.1)
     assert drive.result().success
     assert tune.result().success, tune.result().message
     assert tune.status == GoalStatus.STATUS_SUCCEEDED
@@ -314,11 +235,11 @@ def test_a_long_tune_is_played_while_the_robot_drives(driving):
     assert 44 / 12 - 0.1 < seconds < 44 / 12 + 2
 
 
-def test_a_tune_is_canceled(driving):
-    tune = play(driving, '60:1/8 rest:1/8', iterations=AudioNoteSequence.Goal.INFINITE)
-    driving.ros.until(lambda: tune.feedback and tune.feedback[-1].iterations_played > 1, 'rounds')
+def test_a_tune_is_canceled(ready):
+    tune = play(ready, '60:1/8 rest:1/8', iterations=AudioNoteSequence.Goal.INFINITE)
+    ready.ros.until(lambda: tune.feedback and tune.feedback[-1].iterations_played > 1, 'rounds')
     assert {each.note for each in tune.feedback} == {'C4', 'rest'}
-    assert 'a tune plays: cancel its goal' in play(driving, 'C4:1').result().message
+    assert 'a tune plays: cancel its goal' in play(ready, 'C4:1').result().message
     assert tune.cancel()
     assert 'canceled; the song that plays goes on' in tune.result().message
     assert tune.status == GoalStatus.STATUS_CANCELED

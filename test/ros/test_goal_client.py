@@ -80,7 +80,7 @@ def test_the_example_drives_and_turns_until_ctrl_c_cancels_its_goal(ready):
     assert example.ended() == 1
     assert fullmatch(
         r'drive_distance: stopped after 0\.\d\d m; canceled\n', example.printed[-1])
-    ready.ros.until(lambda: ready.robot.create.actuators.wheels == (0, 0), 'the wheels stand')
+    ready.ros.until(lambda: ready.robot.standing, 'the wheels stand')
 
 
 def test_a_goal_that_fails_says_why_and_the_next_one_is_done(ready):

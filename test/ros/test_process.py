@@ -104,7 +104,7 @@ def test_the_node_drives_answers_and_ends_over_shared_memory(default_transport, 
     assert stage.ros.call(SetMode, 'set_mode', mode=Mode.FULL).success
     node.send(signal.SIGINT)
     assert node.ended() == 0
-    assert robot.create.actuators.wheels == (0, 0)
+    stage.ros.until(lambda: robot.standing, 'the last bytes have come')
 
 
 # A simulated run has a ROS domain and a folder to itself, and leaves nothing behind.

@@ -23,6 +23,7 @@ import domain_coordinator
 from geometry_msgs.msg import Twist, Vector3
 from rcl_interfaces.srv import SetParameters
 import rclpy
+from rclpy.action.client import ActionClient
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
@@ -66,6 +67,11 @@ class Robot:
             self._server.watchers.remove(once)
             action()
         self._server.watchers.append(once)
+
+    @property
+    def standing(self) -> bool:
+        """Whether it was told to stand."""
+        return self.create.actuators.wheels == (0, 0)
 
     def open_control(self) -> Path:
         """Open the control socket; return its path."""
@@ -196,6 +202,29 @@ def children_of(pid: int) -> list[int]:
     return [int(child) for child in listed.split()]
 
 
+class Sent:
+    """A goal that was accepted."""
+
+    def __init__(self, ros: 'Listener', handle: Any, feedback: list[Any]) -> None:
+        self._ros, self._handle = ros, handle
+        self._result = handle.get_result_async()
+        self.feedback = feedback
+        self.status = 0
+
+    def result(self) -> Any:
+        """Wait for the result; its status is in `status` then."""
+        self._ros.until(self._result.done, 'a result')
+        wrapped = self._result.result()
+        self.status = wrapped.status
+        return wrapped.result
+
+    def cancel(self) -> bool:
+        """Cancel the goal; return whether that was accepted."""
+        answer = self._handle.cancel_goal_async()
+        self._ros.until(answer.done, 'the answer to a cancel')
+        return bool(answer.result().goals_canceling)
+
+
 class Listener:
     """A ROS node in the test's process, with a context of its own."""
 
@@ -212,6 +241,7 @@ class Listener:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
+        self._action_clients: dict[str, ActionClient] = {}
 
     def listen(self, type_: type, name: str, qos: QoSProfile | int = 10) -> list[Any]:
         """Return a list that fills with the messages of a topic."""
@@ -250,9 +280,25 @@ class Listener:
         self.until(answered, f'reply of {name}')
         return next(future.result() for future in futures if future.done())
 
+    def send(self, type_: Any, name: str, **fields: Any) -> Sent | None:
+        """Send a goal of an action; return it, None where it was rejected."""
+        if name not in self._action_clients:
+            self._action_clients[name] = ActionClient(self.node, type_, name)
+        client = self._action_clients[name]
+        self.until(client.server_is_ready, f'action {name}')
+        feedback: list[Any] = []
+        answer = client.send_goal_async(
+            type_.Goal(**fields),
+            feedback_callback=lambda message: feedback.append(message.feedback))
+        self.until(answer.done, f'the answer of {name}')
+        handle = answer.result()
+        return Sent(self, handle, feedback) if handle.accepted else None
+
     def close(self) -> None:
-        """Destroy the node and its context."""
+        """Destroy the node, after its clients of actions, and its context."""
         self._executor.shutdown()
+        for client in self._action_clients.values():
+            client.destroy()
         self.node.destroy_node()
         rclpy.shutdown(context=self._context)
 

@@ -165,15 +165,9 @@ def ready(page: PageClient) -> PageClient:
     return page
 
 
-def standing(robot: Robot) -> bool:
-    """Return whether a simulated robot was told to stand."""
-    wheels = robot.create.actuators.wheels
-    return (wheels.left, wheels.right) == (0, 0)
-
-
 def stops_in_time(ros: Listener, robot: Robot) -> None:
     """Wait until a robot was told to stand by page or server, not by the driver's timeout."""
-    ros.until(lambda: standing(robot), 'a stop by page or server', IN_TIME)
+    ros.until(lambda: robot.standing, 'a stop by page or server', IN_TIME)
 
 
 class Relay:
