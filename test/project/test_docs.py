@@ -132,17 +132,6 @@ def test_a_wrong_row_is_made_again():
     assert rewritten(page.replace('| 137 | Drive |', '| 138 | Drive |')) == page
 
 
-def test_what_pages_and_examples_import_is_declared_stable():
-    declared = (ROOT / 'QUALITY_DECLARATION.md').read_text('utf-8')
-    programs = [path.read_text('utf-8') for path in (*PAGES, *(ROOT / 'examples').glob('*.py'))]
-    taught = {(module, name.strip()) for text in programs for module, names in re.findall(
-        rf'^(?:>>> )?from ({PACKAGE}[\w.]*) import (.+)$', text, re.MULTILINE)
-        for name in names.split(',')}
-    assert ('create_oi_ros.ros.waiting', 'wait_for_robot') in taught
-    for module, name in taught:
-        assert re.search(rf'`{module}`( \([^)]*`{name}`|: the names)', declared) or name == 'oi'
-
-
 def texts() -> str:
     """Return the texts in the package's code; what varies in them is a line end."""
     found = []

@@ -21,7 +21,6 @@ from typing import Any
 from xml.etree import ElementTree
 
 from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -32,7 +31,7 @@ from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import diagnostics
 from create_oi_ros.ros.messages import HEIGHT
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.topics import CONTACTS, ODOM, PUBLISHED
+from create_oi_ros.ros.topics import CONTACTS, PUBLISHED
 from support.pages import OURS, ROOT, ros2_commands
 
 FILES = ROOT / 'config' / 'with'
@@ -156,15 +155,6 @@ def test_a_stick_commands_only_possible_speeds_and_often_enough():
     assert wheel(0, stick['scale_angular_turbo.yaw']) <= Parameters.max_wheel_speed
     repeated = nodes('teleop_twist_joy.yaml')['game_controller_node']['autorepeat_rate']
     assert repeated * Parameters.cmd_vel_timeout > 2
-
-
-def test_the_filter_takes_speeds_from_the_driver():
-    filtered = nodes('ekf.yaml')['ekf_filter_node']
-    assert filtered['odom0'] == ODOM.name and ODOM.type is Odometry
-    taken = [place for place, used in enumerate(filtered['odom0_config']) if used]
-    assert taken == [6, 7, 11]  # forward, sideways, turning: of fifteen
-    assert len(filtered['odom0_config']) == len(filtered['imu0_config']) == 15
-    assert 'publish_tf:=false' in (PAGES / 'robot_localization.md').read_text('utf-8')
 
 
 def test_every_status_of_the_driver_is_in_one_group():
