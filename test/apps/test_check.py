@@ -25,7 +25,6 @@ from create_oi_ros.link.port import Port
 from create_oi_ros.odometry import GyroSettings, Knowledge, Rounding, SignSource
 from create_oi_ros.odometry.gyro import STEP
 from create_oi_ros.ros.odometry_model import parsed, text_of
-from create_oi_ros.ros.process import STOP_SIGNALS
 from create_oi_ros.ros.programs import create_check, PROGRAMS, UserError
 from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY
 from create_oi_ros.sim.body.gyro import Gyro
@@ -199,7 +198,7 @@ def test_of_a_slow_line_all_is_awaited_that_the_first_steps_ask_for(tmp_path):
 def refused(monkeypatch, capsys, tmp_path):
     """Return a function that runs the program and returns its errors and all else it said."""
     monkeypatch.chdir(tmp_path)
-    handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    monkeypatch.setattr(signal, 'signal', lambda number, handler: None)
 
     def run(*arguments: str) -> tuple[str, str]:
         monkeypatch.setattr('sys.argv', ['create_check', '--yes', *arguments])
@@ -210,9 +209,7 @@ def refused(monkeypatch, capsys, tmp_path):
         assert code == 2
         said, errors = capsys.readouterr()
         return errors, said
-    yield run
-    for number, handler in handlers.items():
-        signal.signal(number, handler)
+    return run
 
 
 @pytest.mark.parametrize(('arguments', 'words'), [

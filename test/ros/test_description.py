@@ -55,17 +55,19 @@ def test_the_wheels_are_those_of_the_joint_states_and_of_the_odometry():
         assert radii == {Geometry().wheel_radius}
 
 
+def of_xacro(*arguments: str) -> str:
+    """Return the model that xacro makes."""
+    return subprocess.run(
+        [sys.executable, '-c', 'import xacro; xacro.main()', f'{URDF}.xacro', *arguments],
+        text=True, capture_output=True, check=True).stdout
+
+
 def test_the_model_is_made_from_the_xacro():
-    made = subprocess.run([sys.executable, '-c', 'import xacro; xacro.main()',
-                           f'{URDF}.xacro'], text=True, capture_output=True, check=True).stdout
-    assert canonical(made) == canonical(URDF.read_text()), 'run `make docs`'
+    assert canonical(of_xacro()) == canonical(URDF.read_text()), 'run `make docs`'
 
 
 def test_the_xacro_takes_a_prefix_and_a_parent():
-    made = subprocess.run([sys.executable, '-c', 'import xacro; xacro.main()', f'{URDF}.xacro',
-                           'prefix:=left_', 'parent:=stage'], text=True, capture_output=True,
-                          check=True).stdout
-    model = ElementTree.fromstring(made)
+    model = ElementTree.fromstring(of_xacro('prefix:=left_', 'parent:=stage'))
     assert {link.get('name') for link in model.iter('link')} == {f'left_{link}' for link in LINKS}
     joints = {joint.get('name'): ends(joint) for joint in model.iter('joint')}
     assert joints['left_parent_joint'] == ('stage', 'left_base_footprint')
