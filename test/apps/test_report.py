@@ -36,11 +36,10 @@ from create_oi_ros.ros.diagnostics import PARAMETERS
 from support import bags
 
 
-@pytest.fixture(scope='module', params=list(StoragePlugin), ids=lambda each: each.name)
-def bag(request, tmp_path_factory) -> Path:
-    """Return a bag of either kind."""
-    folder = tmp_path_factory.mktemp('bags') / 'walk'
-    return bags.write(folder, gap=(10.0, 11.0), storage=request.param)
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory) -> Path:
+    """Return a bag with a gap."""
+    return bags.write(tmp_path_factory.mktemp('bags') / 'walk', gap=(10.0, 11.0))
 
 
 @pytest.fixture(scope='module')

@@ -1,54 +1,28 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The page of a report in a real Chromium, without network, made from a bag of the simulator."""
+"""The page of a report in a real Chromium, without network."""
 
 from collections.abc import Callable
 from pathlib import Path
 import re
-import signal
 
-from geometry_msgs.msg import Twist
 import pytest
 
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from create_oi_ros.apps.report.create_report import main, write
 from create_oi_ros.apps.report.recording import Recording
+from support import bags
 from support.browser import OpenPage
-from support.ros import Scene, scene
 
 SIZES = {'phone': (360, 740), 'tablet': (768, 1024), 'desktop': (1440, 900)}
 
 
-def recorded(stage: Scene, folder: Path) -> Path:
-    """Record a robot that drives ahead and is bumped; return the bag."""
-    robot = stage.robot()
-    stage.node(robot.link)
-    recorder = stage.program('create_record', '-o', str(folder / 'walk'))
-    publisher = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-    stage.ros.until(lambda: publisher.get_subscription_count() == 2, 'driver and recorder')
-    stage.ros.until(lambda: any(file.stat().st_size > 200_000 for file in folder.glob(
-        'walk/*.mcap')), 'the recorder hears the driver')
-    command = Twist()
-    command.linear.x, command.angular.z = 0.3, 0.5
-
-    def driven(until: float) -> bool:
-        publisher.publish(command)
-        return robot.body.truth().travelled > until
-    stage.ros.until(lambda: driven(0.4))
-    robot.soon(lambda: robot.body.force(seconds=0.5, bump_left=1))
-    stage.ros.until(lambda: driven(0.6))
-    recorder.send(signal.SIGINT)
-    assert recorder.ended() == 0
-    return folder / 'walk'
-
-
 @pytest.fixture(scope='module')
 def page_file(tmp_path_factory) -> Path:
-    """Return the page of a bag that was recorded from the simulator."""
+    """Return the page of a bag."""
     folder = tmp_path_factory.mktemp('report')
-    with scene(folder) as stage:
-        bag = recorded(stage, folder)
+    bag = bags.write(folder / 'walk', 13.5)
     assert main([str(bag), '-o', str(folder / 'report.html')]) == 0
     return folder / 'report.html'
 
@@ -106,10 +80,10 @@ def test_nothing_is_wider_than_the_page_and_the_slider_moves_map_and_values(open
         .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
     assert small == [], 'a thumb must hit every button'
     before, shown = pictures(page, '#map-canvas'), values(page)
-    seek(page, 0.85)  # it stands at first, for as long as driver and recorder need to start
+    seek(page, 0.25)
     page.until(f'Number(document.getElementById("slider").value) < 0.9 * {LAST}')
     page.wait(lambda: pictures(page, '#map-canvas') != before, 'a robot that moves')
-    page.until('document.querySelector(".chart-values").textContent.includes("0.3")')
+    page.until('document.querySelector(".chart-values").textContent.includes("0.2")')
     assert values(page) != shown
     bar = page.page.locator('#time-bar').bounding_box()
     assert bar['y'] + bar['height'] <= SIZES[size][1] + 1, 'the slider is in reach'

@@ -17,16 +17,11 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
-from create_oi_ros.ros.bags import definitions
+from create_oi_ros.ros.bags import definitions, full_name
 from create_oi_ros.ros.messages import of_yaw
 
 STORE = definitions()
 BEGAN = 1_700_000_000_000_000_000
-
-
-def name_of(kind: type) -> str:
-    """Return the name of a type of messages, as bags have it."""
-    return f'{kind.__module__.partition(".")[0]}/msg/{kind.__name__}'
 
 
 def header(time: float) -> Header:
@@ -118,6 +113,6 @@ def write(
                 name = f'/{name.lstrip("/")}'
                 if name not in made:
                     made[name] = writer.add_connection(
-                        name, name_of(type(message)), typestore=STORE)
+                        name, full_name(type(message)), typestore=STORE)
                 writer.write(made[name], BEGAN + round(time * 1e9), serialize_message(message))
     return path
