@@ -18,7 +18,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 import pytest
-from rcl_interfaces.srv import GetParameters
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import BatteryState, LaserScan
 import yaml
@@ -111,9 +110,8 @@ def test_what_follows_ros_args_is_for_the_node_and_phones_drive_it_until_run_is_
     stage.ros.until(lambda: re.search(r'6\d frames/s  SAFE     x', run.output))
     assert 'create_run starts node /robot1/create for a simulated Create' in run.output
     assert 'drive.py --ros-args -r __ns:=/robot1\n' in run.output or 'drive.py' not in run.output
-    reply = stage.ros.call(GetParameters, '/robot1/create/get_parameters',
-                           names=['bump_stop', 'max_wheel_speed'])
-    assert [each.string_value or each.double_value for each in reply.values] == ['forward', 0.2]
+    assert stage.ros.parameters(
+        '/robot1/create', 'bump_stop', 'max_wheel_speed') == ['forward', 0.2]
     stage.ros.until(lambda: stage.ros.node.count_subscribers('/robot1/odom') == 2,
                     'status line and page listen')
     _, port, token = stage.ros.until(lambda: re.search(

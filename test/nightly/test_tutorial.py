@@ -206,7 +206,7 @@ class Page:
         match program, arguments:
             case 'python', _:
                 self._end_driver()
-                self._to_its_end(self._stage._start(*arguments))
+                self._to_its_end(self._stage.python(*arguments))
             case 'create_sim', _ if {'--export', '--say'} & {*arguments}:
                 self._to_its_end(self._stage.program(program, *arguments))
             case 'create_sim', _:

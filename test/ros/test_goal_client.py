@@ -12,6 +12,7 @@ from geometry_msgs.msg import Point, PoseStamped
 import pytest
 
 from create_oi_ros.ros.messages import filled
+from support.ros import Program
 
 FAILS = """
 from create_oi_ros.ros.goal_client import GoalClient, GoalFailed
@@ -70,10 +71,25 @@ def test_a_field_that_does_not_exist_or_fit_is_refused(fields, words):
         filled(DriveDistance.Goal(check_fields=True), fields, 'drive_distance')
 
 
+def said(program: Program) -> list[str]:
+    """Return the lines of a program but for what it waits for, as on a busy computer."""
+    return [line for line in program.printed if ': waits for ' not in line]
+
+
 def test_the_example_drives_and_turns_until_ctrl_c_cancels_its_goal(ready):
-    example, pose = ready.stage.example('square.py'), ready.robot.body.truth
-    ready.ros.until(lambda: len(example.printed) == 2, 'a side and a corner')
-    assert [line.split()[0] for line in example.printed] == ['drove', 'turned']
+    pose = ready.robot.body.truth
+
+    def begun():
+        """Start it; return it after a side and a corner, None where the computer stood still."""
+        ready.renew()
+        before, started = len(ready.node.output), ready.stage.example('square.py')
+        ready.ros.until(lambda: len(said(started)) == 2 or not started.running(), 'a corner')
+        moves = [line.split()[0] for line in said(started)]
+        if moves != ['drove', 'turned'] and 'no frame for' in ready.node.output[before:]:
+            return None
+        assert moves == ['drove', 'turned'], started.output
+        return started
+    example = ready.ros.until(begun, 'a drive without a gap')
     assert (pose().pose.x, pose().pose.yaw) == pytest.approx((0.3, pi / 2), abs=0.05)
     ready.ros.until(lambda: pose().speed > 0.05, 'the second side')
     example.send(signal.SIGINT)
@@ -84,11 +100,9 @@ def test_the_example_drives_and_turns_until_ctrl_c_cancels_its_goal(ready):
 
 
 def test_a_goal_that_fails_says_why_and_the_next_one_is_done(ready):
-    script = ready.stage.folder / 'fails.py'
-    script.write_text(FAILS)
-    program = ready.stage.script(script)
+    program = ready.stage.python('-c', FAILS)
     assert program.ended() == 0
-    unknown, malformed, undocked, done = program.printed
+    unknown, malformed, undocked, done = said(program)
     assert unknown.startswith("no action 'fly'; there are drive_distance, ")
     assert malformed == (
         'drive_distance: rejected as malformed; distance = 5000 m; allowed: -1000 to 1000\n')
@@ -98,9 +112,7 @@ def test_a_goal_that_fails_says_why_and_the_next_one_is_done(ready):
 
 
 def test_without_a_driver_the_program_ends_with_a_sentence(stage):
-    script = stage.folder / 'alone.py'
-    script.write_text(ALONE)
-    program = stage.script(script)
+    program = stage.python('-c', ALONE)
     assert program.ended() == 0
     said, ended = program.printed
     assert said.startswith('goal_client: waits for the action drive_distance in ROS domain '

@@ -8,7 +8,6 @@ from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 
-from create_oi_ros.ros.topics import LATCHED
 from support.ros import Ready
 
 
@@ -52,19 +51,17 @@ def test_two_robots_with_the_same_frames_are_reported(stage):
         stage.ros.until(lambda node=node, other=other: (
             f'/{other}/create publishes a transform to base_footprint on /tf' in node.output))
     assert 'odom_frame: one/odom' in nodes[0].output
-    assert 'robot answers' in third.output
+    stage.ros.until(lambda: 'robot answers' in third.output)
     assert '/three/create publishes' not in ''.join(node.output for node in nodes)
     assert 'publishes a transform' not in third.output
 
 
 def test_two_drivers_of_one_name_are_reported_and_after_the_second_the_first_has_its_say(stage):
-    first = stage.node(stage.robot().link)
-    modes = stage.ros.listen(Mode, 'mode', LATCHED)
-    stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE)
+    ready = Ready(stage)
     second = stage.node(stage.folder / 'nowhere')
-    for node in (first, second):
+    for node in (ready.node, second):
         stage.ros.until(lambda node=node: 'another node is called /create' in node.output)
-    stage.ros.until(lambda: modes[-1].mode == Mode.UNKNOWN, 'the second has no robot')
+    ready.until_mode(Mode.UNKNOWN)  # the second has no robot
     second.send(signal.SIGTERM)
     assert second.ended() == 0
-    stage.ros.until(lambda: modes[-1].mode == Mode.SAFE, 'the first has one')
+    ready.until_mode(Mode.SAFE)  # the first has one

@@ -9,11 +9,8 @@ import re
 import signal
 import tempfile
 
-from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
-from rcl_interfaces.srv import GetParameters
-from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 import yaml
@@ -43,22 +40,9 @@ def ports(ros2):
     return ros2.stage.robot('one').link, ros2.stage.robot('two').link
 
 
-@pytest.fixture(autouse=True)
-def killed(ros2):
-    """Let a test that fails leave nothing that runs, and takes a port, to the next one."""
-    yield
-    ros2.kill_launches()
-
-
 def at(port: Path, words: Sequence[str]) -> list[str]:
     """Return a documented launch for this port."""
     return [word.replace('PORT', str(port)) for word in words]
-
-
-def parameters(ros2: Ros2, node: str, *names: str) -> list[object]:
-    """Return parameters of a node."""
-    reply = ros2.stage.ros.call(GetParameters, f'{node}/get_parameters', names=names)
-    return [*map(parameter_value_to_python, reply.values)]
 
 
 def wait_for_nodes(ros2: Ros2, *names: str) -> None:
@@ -113,14 +97,14 @@ def test_a_parameter_file_wins_over_defaults_and_a_given_argument_over_the_file(
     Path('my_create.yaml').write_text(yaml.safe_dump({'/create': {'ros__parameters': of_file}}))
     launch = ros2.launch(*WITH_FILE)
     launch.until(ANSWERS)
-    assert parameters(ros2, '/create', *of_file) == [*of_file.values()]
+    assert ros2.stage.ros.parameters('/create', *of_file) == [*of_file.values()]
     launch.interrupt()
     given = {'port': str(ports[1]), 'gyro': 'none', 'capture': 'b'}
     launch = ros2.launch(
         *WITH_FILE, 'frame_prefix:=r/', 'use_sim_time:=False', 'rviz:=True',
         *(f'{name}:={value}' for name, value in given.items()))
     launch.until(ANSWERS)
-    found = dict(zip(of_file, parameters(ros2, '/create', *of_file), strict=True))
+    found = dict(zip(of_file, ros2.stage.ros.parameters('/create', *of_file), strict=True))
     assert found == given | {
         'odom_frame': 'r/odom', 'base_frame': 'r/base_footprint', 'use_sim_time': False}
     for name in ('robot_state_publisher', 'rviz2'):
@@ -140,7 +124,7 @@ def test_a_simulated_robot_is_launched_in_a_namespace_with_frames_of_its_own(ros
     launch.until('open http://')
     wait_for_nodes(ros2, *(f'/lab/robot1/{name}' for name in (
         'create', 'create_cmd_vel', 'create_lidar', 'create_web')))
-    assert parameters(ros2, '/lab/robot1/create', 'port', 'gyro') == [str(port), 'analog']
+    assert ros2.stage.ros.parameters('/lab/robot1/create', 'port', 'gyro') == [str(port), 'analog']
     assert port.is_symlink() and Path(f'{port}-control').is_socket()
     assert f'--control {port}-control' in Path(
         f'/proc/{launch.pid("create_web")}/cmdline').read_text().replace('\0', ' ')
@@ -167,17 +151,14 @@ def test_each_robot_of_a_fleet_has_its_namespace_and_frames_and_follows_its_own_
                            for node in ('create', 'create_cmd_vel')))
     assert ros2.run('param', 'get', '/robot2/create', 'odom_frame').strip() == (
         'String value is: robot2/odom')
-    velocity = ros.node.create_publisher(Twist, '/robot2/cmd_vel', 1)
-    timer = ros.node.create_timer(0.1, lambda: velocity.publish(Twist(linear=Vector3(x=0.2))))
-    ros.until(lambda: all(heard.values()) and heard['robot2'][-1].pose.pose.position.x > 0.2)
-    ros.node.destroy_timer(timer)
-    ros.node.destroy_publisher(velocity)
+    ros.drive(0.2, 0.0, lambda: all(heard.values())
+              and heard['robot2'][-1].pose.pose.position.x > 0.2, '/robot2/cmd_vel')
     for name, messages in heard.items():
         last = messages[-1]
         assert (last.header.frame_id, last.child_frame_id) == (
             f'{name}/odom', f'{name}/base_footprint')
         assert name == 'robot2' or last.pose.pose.position.x == 0
-    models = launch.started('robot_state_publisher')
+    models = launch.started('robot_state_publisher', 3)
     assert {model.parameters['frame_prefix'] for model in models} == {f'{n}/' for n in names}
     ends_quietly(launch)
 
@@ -239,7 +220,7 @@ def test_other_launch_files_include_these(ros2, ports, monkeypatch):
     assert not {'/house/kitchen/cmd_vel', '/deep/blue/tf'} & topics()
     for place in simulated:
         assert port_of(place, ros2.stage.domain).is_symlink()
-    assert parameters(ros2, '/hall/create', 'port', 'odom_frame') == [hall, 'hall']
+    assert ros2.stage.ros.parameters('/hall/create', 'port', 'odom_frame') == [hall, 'hall']
     assert 'web: not set' in launch.output
     ends_quietly(launch)
 

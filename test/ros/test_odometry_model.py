@@ -62,7 +62,7 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path):
     ({'gyro': {'zero': {'value': 2.5, 'deviation': 0.1}}}, 'gyro: scale is missing'),
     *(({'gyro': {'zero': {'value': 2.5, 'deviation': 0.1},
                  'scale': {'value': scale, 'deviation': 0.1}}}, f'scale: value is {scale}')
-      for scale in (0.0, -0.0, 0.5, -2000.0)),
+      for scale in (0.5, -2000.0)),
 ])
 def test_a_value_that_cannot_be_is_named(change, said):
     with pytest.raises(ValueError, match=said):
@@ -90,7 +90,7 @@ def test_a_file_of_an_older_odometry_is_kept_aside_and_a_new_one_written_and_rea
     assert f'format 2 is of an older odometry: it is kept as {file}.old' in node.output
     assert (tmp_path / 'model.yaml.old').read_text() == 'format: 2\n'
     assert not file.exists()
-    ready.drive(0.2, 0.0, lambda: ready.robot.body.truth().pose.x > 0.4)
+    stage.ros.drive(0.2, 0.0, lambda: ready.robot.body.truth().pose.x > 0.4)
     assert 'not known well yet' in ready.ask(Trigger, 'save_odometry_model')
     known = read(file)
     assert known is not None

@@ -3,6 +3,7 @@
 """Start and end of a program, also where ROS hangs; its domain, its waiting."""
 
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from types import SimpleNamespace
 
 from create_oi_msgs.msg import Mode
 from create_oi_msgs.srv import SetMode
-from geometry_msgs.msg import Twist, Vector3
+from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 
@@ -63,9 +64,15 @@ os.kill(os.getpid(), signal.SIGINT)
 ended.wait()
 """
 SIMULATOR = """
+from pathlib import Path
 from create_oi_ros.sim.server.create_sim import main
-threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
-main(['--link', 'port'])
+
+def end():
+    while not Path('control').exists():
+        threading.Event().wait(0.01)
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=end, daemon=True).start()
+main(['--link', 'port', '--control', 'control'])
 """
 
 
@@ -90,17 +97,19 @@ def test_a_program_ends_though_ros_hangs_at_its_end_and_tells_where(begin: str) 
 # The middleware as users have it: over shared memory, where all other tests use UDP.
 
 
+@pytest.fixture
+def default_transport(monkeypatch):
+    """Let the middleware choose its transport."""
+    monkeypatch.delenv('FASTDDS_BUILTIN_TRANSPORTS')
+
+
 def test_the_node_drives_answers_and_ends_over_shared_memory(default_transport, stage):
     robot = stage.robot()
     node = stage.node(robot.link)
     odom = stage.ros.listen(Odometry, 'odom')
-    velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-
-    def drives():
-        velocity.publish(Twist(linear=Vector3(x=0.2)))
-        return odom and odom[-1].twist.twist.linear.x > 0.1
-    stage.ros.until(drives)
-    assert default_transport(stage.domain), 'no shared memory is in use'
+    stage.ros.drive(0.2, 0.0, lambda: odom and odom[-1].twist.twist.linear.x > 0.1)
+    used = Path(f'/proc/{node.pid}/maps').read_text()
+    assert '/dev/shm/fastrtps' in used, 'no shared memory is in use'
     assert stage.ros.call(SetMode, 'set_mode', mode=Mode.FULL).success
     node.send(signal.SIGINT)
     assert node.ended() == 0
@@ -110,30 +119,18 @@ def test_the_node_drives_answers_and_ends_over_shared_memory(default_transport, 
 # A simulated run has a ROS domain and a folder to itself, and leaves nothing behind.
 
 
-@pytest.fixture
-def no_domain(monkeypatch):
-    """Unset ROS_DOMAIN_ID; whatever a test sets is undone."""
-    monkeypatch.setenv('ROS_DOMAIN_ID', '')
-    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
-    monkeypatch.delenv('ROS_DOMAIN_ID')
-    monkeypatch.delenv('ROS_AUTOMATIC_DISCOVERY_RANGE')
-    return monkeypatch
-
-
-def test_two_runs_have_different_domains(no_domain):
+def test_two_runs_have_different_domains_and_one_that_is_set_is_kept(monkeypatch):
+    monkeypatch.setattr(os, 'environ', {})
     with run_domain() as first:
-        assert os.environ['ROS_DOMAIN_ID'] == first
-        assert os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'LOCALHOST'
-        no_domain.delenv('ROS_DOMAIN_ID')
+        assert os.environ == {
+            'ROS_DOMAIN_ID': first, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        os.environ.clear()
         with run_domain() as second:
             assert second != first
-
-
-def test_a_domain_that_is_set_is_kept(no_domain):
-    no_domain.setenv('ROS_DOMAIN_ID', '7')
+    monkeypatch.setattr(os, 'environ', {'ROS_DOMAIN_ID': '7'})
     with run_domain() as domain:
         assert domain == '7'
-        assert 'ROS_AUTOMATIC_DISCOVERY_RANGE' not in os.environ
+    assert os.environ == {'ROS_DOMAIN_ID': '7'}
 
 
 # A program that waits says for what, in which ROS domain, and where a driver runs.
@@ -202,9 +199,7 @@ def test_a_driver_of_another_user_is_said_to_be_one(monkeypatch, users, transpor
 
 
 def test_a_program_waits_for_a_driver_its_robot_and_that_it_takes_its_commands(stage, tmp_path):
-    script = tmp_path / 'waits.py'
-    script.write_text(WAITS)
-    program = stage.script(script)
+    program = stage.python('-c', WAITS)
     stage.ros.until(lambda: f'in ROS domain {stage.domain}; on this' in program.output)
     stage.listener('recorder').listen(Twist, 'cmd_vel')
     driver = stage.node(tmp_path / 'create', cmd_vel_type='stamped')

@@ -93,6 +93,7 @@ def test_pose_speed_and_covariances_have_their_places_and_the_rest_is_not_measur
     assert joints.name == ['left_wheel_joint', 'right_wheel_joint']
     assert (list(joints.position), list(joints.velocity)) == ([11.0, 12.0], [0.5, 0.25])
     assert (imu.angular_velocity.z, imu.angular_velocity_covariance[8]) == (0.375, 0.0625)
+    assert imu.orientation_covariance[0] == imu.linear_acceleration_covariance[0] == -1
 
 
 def test_every_reading_has_its_field(stage):

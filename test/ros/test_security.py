@@ -2,11 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The SROS 2 policy allows what the nodes use and nothing else; keys keep others out."""
 
-from collections.abc import Callable
 from contextlib import closing
 from importlib.util import find_spec
 import os
-from pathlib import Path
 import re
 import subprocess
 import time
@@ -14,7 +12,6 @@ from xml.etree import ElementTree
 
 from create_oi_msgs.msg import Mode
 from create_oi_msgs.srv import SetMode
-from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 import rclpy
@@ -29,8 +26,8 @@ from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED
 from support.ros import Listener, own_domain, scene, TIMEOUT
+from support.source import ROOT
 
-ROOT = Path(__file__).parents[2]
 POLICY = ElementTree.parse(ROOT / 'config' / 'sros2_policy.xml').getroot()
 DOCS = (ROOT / 'docs' / 'security.md').read_text('utf-8')
 EVERY_NODE = {'/parameter_events', '/rosout'}
@@ -127,16 +124,6 @@ def test_a_pilot_may_drive_listen_and_ask():
     assert actions(pilot, 'call') == {action.name for action in ACTIONS}
 
 
-def drive(who: Listener, until: Callable[[], object]) -> None:
-    """Publish a velocity until a condition is true."""
-    velocity = who.node.create_publisher(Twist, 'cmd_vel', 1)
-
-    def commanded() -> object:
-        velocity.publish(Twist(linear=Vector3(x=0.2)))
-        return until()
-    who.until(commanded)
-
-
 @pytest.mark.skipif(find_spec('sros2') is None, reason='no `ros2 security` here')
 def test_with_the_keys_of_the_page_nobody_else_hears_or_drives(tmp_path, monkeypatch):
     making, = (block for block in re.findall('```\n(.*?)```', DOCS, re.S) if 'keystore' in block)
@@ -160,9 +147,9 @@ def test_with_the_keys_of_the_page_nobody_else_hears_or_drives(tmp_path, monkeyp
             admin.until(lambda: modes and modes[-1].mode == Mode.SAFE)
             assert admin.call(SetMode, 'set_mode', mode=Mode.SAFE).success
             enough = time.monotonic() + 3.0
-            drive(stranger, lambda: time.monotonic() > enough)
+            stranger.drive(0.2, 0.0, lambda: time.monotonic() > enough)
             heard.clear()
             admin.until(lambda: len(heard) > 20)
             assert not overheard
             assert heard[-1].pose.pose.position.x == 0.0
-            drive(admin, lambda: heard[-1].pose.pose.position.x > 0.05)
+            admin.drive(0.2, 0.0, lambda: heard[-1].pose.pose.position.x > 0.05)

@@ -14,7 +14,6 @@ from types import SimpleNamespace
 
 from nav_msgs.msg import Odometry
 import pytest
-from rcl_interfaces.srv import GetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from create_oi_ros import __version__
@@ -100,11 +99,6 @@ def refused_by_ros(*arguments: str) -> str:
     with pytest.raises(RuntimeError) as refused:
         node_arguments.parse(['--ros-args', *arguments])
     return explained(refused.value) or ''
-
-
-def test_arguments_that_ros_refuses_are_one_sentence_of_the_program():
-    sentence = one_sentence(run('create_node', '--ros-args', '-p', 'port:='), 'create_node')
-    assert 'write -p NAME:=VALUE; an empty text is' in sentence
 
 
 @pytest.mark.parametrize('content', [
@@ -274,10 +268,7 @@ def test_names_that_cannot_be_told_apart_and_frames_with_a_slash_are_refused(nam
 
 @pytest.mark.parametrize(('name', 'value', 'words'), [
     ('baud', 'fast', "= 'fast' is of the wrong type: it takes a whole number; write 57600, for"),
-    ('baud', 57600.0, 'write 57600'), ('baud', '57600', 'write 57600'),
     ('publish_tf', 'yes', 'it takes true or false; write true, for example'),
-    ('publish_tf', 'true', 'write true'), ('publish_tf', 0, 'write true'),
-    ('cmd_vel_timeout', '0.5', 'write 0.5'),
     ('cmd_vel_timeout', True, 'it takes a number; write 0.5'),
     ('bump_stop', False, 'it takes text; allowed: none, forward'),
     ('port', 3, """write '3' with its quotes (after -p: port:="'3'")"""),
@@ -333,10 +324,9 @@ def test_qos_overrides_are_followed_or_named_and_ignored(stage, tmp_path):
         'qos_overrides./robot1/cmd_vel.subscription.reliability',
         'qos_overrides./robot1/mode.publisher.durability',
         'qos_overrides./robot1/odom_lines.publisher.depth']
-    values = stage.ros.call(GetParameters, '/robot1/create/get_parameters', names=[
-        'qos_overrides./robot1/odom.publisher.depth', 'qos_overrides./tf.publisher.depth',
-        'qos_overrides./robot1/cliff.publisher.depth']).values
-    assert [each.integer_value for each in values] == [2, 7, 10]
+    assert stage.ros.parameters('/robot1/create', *(
+        f'qos_overrides.{topic}.publisher.depth'
+        for topic in ('/robot1/odom', '/tf', '/robot1/cliff'))) == [2, 7, 10]
 
 
 QOS = 'qos_overrides./odom.publisher'

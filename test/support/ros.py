@@ -6,6 +6,7 @@ import codecs
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, closing, contextmanager, suppress
 import fcntl
+from functools import partial
 from itertools import count, cycle
 import os
 from pathlib import Path
@@ -21,12 +22,12 @@ from create_oi_msgs.msg import Mode
 from create_oi_msgs.srv import SetMode
 import domain_coordinator
 from geometry_msgs.msg import Twist, Vector3
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import GetParameters, SetParameters
 import rclpy
 from rclpy.action.client import ActionClient
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.parameter import Parameter
+from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
@@ -117,7 +118,9 @@ class Program:
             ends = dict.fromkeys(('stdin', 'stdout', 'stderr'), theirs)
         self._process = subprocess.Popen(
             [sys.executable, *arguments], text=True, bufsize=1, env=environment, **ends,
-            start_new_session=terminal, preexec_fn=take_terminal if terminal else None)
+            # Whose terminal it is, the keys send signals to.
+            start_new_session=terminal,
+            preexec_fn=partial(fcntl.ioctl, 0, termios.TIOCSCTTY, 0) if terminal else None)
         if terminal:
             os.close(theirs)
         self.printed: list[str] = []
@@ -191,11 +194,6 @@ class Program:
             raise AssertionError(f'these outlived the program that started them: {left}')
 
 
-def take_terminal() -> None:
-    """Make a new process's input the terminal whose keys send it signals."""
-    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
-
-
 def children_of(pid: int) -> list[int]:
     """Return the processes that a process has started."""
     listed = Path(f'/proc/{pid}/task/{pid}/children').read_text()
@@ -259,6 +257,14 @@ class Listener:
             self._executor.spin_once(timeout_sec=0.1)
         return result
 
+    def drive(self, linear: float, angular: float, until: Callable[[], Any],
+              topic: str = 'cmd_vel') -> None:
+        """Publish a velocity again and again until a condition is true."""
+        velocity = self.node.create_publisher(Twist, topic, 1)
+        command = Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
+        self.until(lambda: velocity.publish(command) or until(), f'driving {linear}, {angular}')
+        self.node.destroy_publisher(velocity)
+
     def call(self, type_: type, name: str, **fields: Any) -> Any:
         """
         Call a service and return its reply.
@@ -279,6 +285,11 @@ class Listener:
             return any(future.done() for future in futures)
         self.until(answered, f'reply of {name}')
         return next(future.result() for future in futures if future.done())
+
+    def parameters(self, node: str, *names: str) -> list[Any]:
+        """Return parameters of a node."""
+        reply = self.call(GetParameters, f'{node}/get_parameters', names=names)
+        return [*map(parameter_value_to_python, reply.values)]
 
     def send(self, type_: Any, name: str, **fields: Any) -> Sent | None:
         """Send a goal of an action; return it, None where it was rejected."""
@@ -329,17 +340,14 @@ class Scene:
 
     def program(self, name: str, *arguments: str, terminal: bool = False) -> Program:
         """Start one of the package's executables."""
-        return self._start('-c', PROGRAMS[name], *arguments, terminal=terminal)
+        return self.python('-c', PROGRAMS[name], *arguments, terminal=terminal)
 
     def example(self, name: str, *arguments: str) -> Program:
         """Start one of the programs in examples/."""
-        return self.script(Path(__file__).parents[2] / 'examples' / name, *arguments)
+        return self.python(str(Path(__file__).parents[2] / 'examples' / name), *arguments)
 
-    def script(self, path: Path, *arguments: str, terminal: bool = False) -> Program:
-        """Start a Python file."""
-        return self._start(str(path), *arguments, terminal=terminal)
-
-    def _start(self, *arguments: str, terminal: bool = False) -> Program:
+    def python(self, *arguments: str, terminal: bool = False) -> Program:
+        """Start Python with these arguments."""
         made = Program(*arguments, domain=self.domain, terminal=terminal)
         self._closing.append(made.close)
         return made
@@ -409,15 +417,6 @@ class Ready:
             SetParameters, 'create/set_parameters', parameters=[wanted]).results
         assert result.successful or result.reason
         return bool(result.successful)
-
-    def drive(self, linear: float, angular: float, done: Callable[[], Any]) -> None:
-        """Publish a velocity ten times a second until a condition is true, then zero."""
-        velocity = self.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-        command = Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
-        timer = self.ros.node.create_timer(0.1, lambda: velocity.publish(command))
-        self.ros.until(done, f'driving {linear}, {angular}')
-        self.ros.node.destroy_timer(timer)
-        velocity.publish(Twist())
 
     def renew(self) -> None:
         """Put the robot back where it began, in Safe mode, and forget what a test listened to."""

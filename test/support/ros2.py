@@ -92,12 +92,16 @@ class Launch:
         return int(re.findall(rf'\[{name}-\d+\]: process started with pid \[(\d+)\]',
                               self.output)[-1])
 
-    def started(self, name: str) -> list[Started]:
-        """Return how it has started a stand-in."""
+    def started(self, name: str, count: int = 1) -> list[Started]:
+        """Wait until it has started a stand-in so often, and return how."""
         record = self._stand_ins / f'{name}.json'
-        lines = record.read_text().splitlines() if record.exists() else []
-        return [Started(arguments, files) for mark, arguments, files in map(json.loads, lines)
-                if mark == self._program.mark]
+
+        def found() -> list[Started] | None:
+            *whole, _ = record.read_text().split('\n') if record.exists() else ['']
+            made = [Started(arguments, files) for mark, arguments, files in map(json.loads, whole)
+                    if mark == self._program.mark]
+            return made if len(made) >= count else None
+        return self._stage.ros.until(found, name)
 
     def interrupt(self) -> None:
         """Press Ctrl-C, and wait for the end."""
@@ -125,7 +129,7 @@ class Ros2:
 
     def start(self, *words: str, terminal: bool = False) -> Program:
         """Start `ros2` with these words."""
-        return self.stage.script(Path(PROGRAM), *words, terminal=terminal)
+        return self.stage.python(PROGRAM, *words, terminal=terminal)
 
     def run(self, *words: str, shows: Callable[[str], Any] = bool) -> str:
         """
@@ -145,15 +149,12 @@ class Ros2:
         return ran[-1].output
 
     def launch(self, *words: str) -> Launch:
-        """Start `ros2 launch`."""
+        """Start `ros2 launch`, and kill what a test that failed has left on its ports."""
+        for earlier in self._launches:
+            earlier.kill()
         self._launches.append(
             Launch(self.start('launch', *words, terminal=True), self.stage, self._stand_ins))
         return self._launches[-1]
-
-    def kill_launches(self) -> None:
-        """Kill what a test that failed has left."""
-        while self._launches:
-            self._launches.pop().kill()
 
 
 @contextmanager
