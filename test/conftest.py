@@ -24,9 +24,6 @@ os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
 HANGS = 1.5
 """Times its own timeout after which a test ends its process: the timeout has not helped."""
 STDERR = pytest.StashKey[int]()
-SHARED_MEMORY = Path('/dev/shm')
-PORTS_EACH, FIRST_PORT = 250, 7400
-"""Numbers of the middleware's ports that a ROS domain has, and the first one of domain 0."""
 MAY_LACK = ('no Chromium', 'no check_urdf', 'no `ros2 security`', 'not a clone of git',
             *([] if 'CREATE_OI_ROS2' in os.environ else ['no `ros2` here']))
 """
@@ -91,27 +88,18 @@ def without_excuse(report):
 
 
 @pytest.fixture
-def default_transport(monkeypatch):
-    """Use shared memory; return a function that finds a domain's, which is removed afterwards."""
-    monkeypatch.delenv('FASTDDS_BUILTIN_TRANSPORTS')
-    used: set[Path] = set()
-
-    def find(domain: int) -> set[Path]:
-        first = FIRST_PORT + PORTS_EACH * domain
-        found = {path for number in range(first, first + PORTS_EACH)
-                 for path in SHARED_MEMORY.glob(f'*fastrtps_port{number}*')}
-        used.update(found)
-        return found
-    yield find
-    for path in used:
-        path.unlink(missing_ok=True)
-
-
-@pytest.fixture
 def stage(tmp_path):
     """Return an empty scene: a ROS domain of its own, for robots and programs."""
     from support.ros import scene  # not for tests without ROS
     with scene(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture(scope='module')
+def shared_stage(tmp_path_factory):
+    """Return a scene that the tests of a file share."""
+    from support.ros import scene  # not for tests without ROS
+    with scene(tmp_path_factory.mktemp('stage')) as made:
         yield made
 
 

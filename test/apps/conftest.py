@@ -8,7 +8,7 @@ import pytest
 
 from create_oi_ros.ros.parameters import Parameters
 from support.browser import OpenPage
-from support.ros import Ready, scene
+from support.ros import Ready
 from support.web import LONG, PageClient, ready, served
 
 CHROMIUM = ('chromium', 'chromium-browser', 'google-chrome')
@@ -72,10 +72,9 @@ class Shared:
 
 
 @pytest.fixture(scope='module')
-def server(tmp_path_factory):
+def server(shared_stage):
     """Return a server that lasts."""
-    with scene(tmp_path_factory.mktemp('shared')) as made:
-        yield Shared(made)
+    return Shared(shared_stage)
 
 
 @pytest.fixture

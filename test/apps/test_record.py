@@ -23,7 +23,6 @@ from create_oi_ros.apps.report.recording import read
 from create_oi_ros.ros.bags import Recorder
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED, PUBLISHED
 from support.pages import blocks, ROOT
-from support.ros import scene
 
 CTRL_C = '\x03'
 
@@ -110,11 +109,10 @@ def test_an_existing_folder_is_left_alone(monkeypatch, capsys, tmp_path):
 
 
 @pytest.fixture(scope='module')
-def driver(tmp_path_factory):
+def driver(shared_stage):
     """Return a scene with a robot and its driver."""
-    with scene(tmp_path_factory.mktemp('driver')) as made:
-        made.node(made.robot().link)
-        yield made
+    shared_stage.node(shared_stage.robot().link)
+    return shared_stage
 
 
 def recorded(stage, recorder) -> Path:

@@ -70,9 +70,8 @@ def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(shared, pages, gone)
 
 def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(shared, pages):
     robot, address = shared.robot, shared.address
-    relay = Relay(int(address.rstrip('/').rpartition(':')[2]))
-    with closing(relay):
-        page = ready(pages(f'http://127.0.0.1:{relay.port}/'))
+    with closing(Relay(address)) as relay:
+        page = ready(pages(relay.address))
         page.drive(0.2, 0.0, lambda: not robot.standing)
         relay.freeze()
         stops_in_time(shared.ros, robot)

@@ -21,7 +21,7 @@ from sensor_msgs.msg import BatteryState
 
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import parse
-from support.ros import Ready, scene
+from support.ros import Ready
 from support.web import free_port, LONG, PageClient, Relay, served, stops_in_time
 
 SIZES = {'phone': (360, 740), 'sideways': (740, 360), 'tablet': (768, 1024),
@@ -44,14 +44,14 @@ navigator.vibrate = pattern => window.buzzes.push(pattern);
 
 
 @pytest.fixture(scope='module')
-def stage(tmp_path_factory):
+def stage(shared_stage):
     """Return a scene with a robot, a driver and a server."""
-    with scene(tmp_path_factory.mktemp('browser')) as made:
-        made.ready = Ready(made, parse('wall 1.5 -1 1.5 1', 'room'), cmd_vel_timeout=LONG)
-        control = made.ready.robot.open_control()
-        with chdir(made.folder):  # recordings go there
-            made.address = served(made, '--control', str(control))[1]
-        yield made
+    made = shared_stage
+    made.ready = Ready(made, parse('wall 1.5 -1 1.5 1', 'room'), cmd_vel_timeout=LONG)
+    control = made.ready.robot.open_control()
+    with chdir(made.folder):  # recordings go there
+        made.address = served(made, '--control', str(control))[1]
+    return made
 
 
 @pytest.fixture
@@ -96,7 +96,7 @@ def other(stage):
 @pytest.fixture
 def relay(stage):
     """Return a bad network to the server."""
-    with closing(Relay(int(stage.address.rstrip('/').rpartition(':')[2]))) as made:
+    with closing(Relay(stage.address)) as made:
         yield made
 
 
@@ -240,7 +240,7 @@ def test_stop_on_another_page_lets_the_stick_go(stage, robot, shown):
 # It never pretends.
 
 def test_a_dead_network_does_not_look_live_and_stop_waits_for_its_answer(stage, shown, relay):
-    page = shown(address=f'http://127.0.0.1:{relay.port}/')
+    page = shown(address=relay.address)
     relay.freeze()
     page.page.locator('#stop').click()
     page.until("""/^no news for [123] s/.test(document.getElementById('chip-link').textContent)
@@ -255,7 +255,7 @@ def test_a_dead_network_does_not_look_live_and_stop_waits_for_its_answer(stage, 
 
 
 def test_a_network_that_is_too_slow_to_drive_is_said(stage, robot, shown, relay):
-    page = shown(address=f'http://127.0.0.1:{relay.port}/')
+    page = shown(address=relay.address)
     page.until(r"/live, \d+ ms/.test(document.getElementById('chip-link').textContent)")
     relay.delay = 0.4
     page.until(why('connection too slow to drive ('))
@@ -369,26 +369,27 @@ def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(stage, r
     assert canvas['x'] + canvas['width'] <= stop['x'] and canvas['height'] > 300
 
 
-def touch(page, kind, *points):
+def touch(fingers, kind, *points):
     """Touch the screen with fingers at these places."""
-    page.touches.send('Input.dispatchTouchEvent', {
+    fingers.send('Input.dispatchTouchEvent', {
         'type': kind, 'touchPoints': [
             {'x': x, 'y': y, 'id': number} for number, (x, y) in enumerate(points)]})
 
 
 def test_one_finger_scrolls_the_page_and_two_move_the_map(shown):
     page = shown('phone')
-    touch(page, 'touchStart', (150, 350))
+    fingers = page.page.context.new_cdp_session(page.page)
+    touch(fingers, 'touchStart', (150, 350))
     for at in range(6):
         kind = 'touchMove' if at else 'touchStart'
-        touch(page, kind, (150, 350 - 40 * at), (230, 350 - 40 * at))
-    touch(page, 'touchEnd')
+        touch(fingers, kind, (150, 350 - 40 * at), (230, 350 - 40 * at))
+    touch(fingers, 'touchEnd')
     page.page.wait_for_selector('#follow[aria-pressed=false]')
     assert page.evaluate('scrollY') == 0
     page.page.get_by_role('button', name='Follow').click()
     for at in range(6):
-        touch(page, 'touchMove' if at else 'touchStart', (150, 350 - 40 * at))
-    touch(page, 'touchEnd')
+        touch(fingers, 'touchMove' if at else 'touchStart', (150, 350 - 40 * at))
+    touch(fingers, 'touchEnd')
     page.until('scrollY > 50')
     assert page.page.locator('#follow[aria-pressed=true]').count() == 1
 
@@ -551,7 +552,8 @@ def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, r
     _, token = server()
     page.until("document.getElementById('banner-text').textContent.includes('another token')")
     assert page.page.locator('#banner-token').is_visible()
-    page.other(f'{here}?token={token}')  # as a phone does that reads the new QR code
+    with page.page.context.new_page() as other:  # as a phone does that reads the new QR code
+        other.goto(f'{here}?token={token}')
     page.live()
     # The browser says that the first answers were refusals, and of connections that failed.
     assert all('40' in error or 'WebSocket' in error or 'ERR_' in error for error in page.errors)

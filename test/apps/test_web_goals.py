@@ -13,20 +13,14 @@ LONG_WAY = {'distance': 20.0, 'max_translation_speed': 0.3}
 
 
 @pytest.fixture
-def robot(shared):
-    """Return the shared robot."""
-    return shared.robot
-
-
-@pytest.fixture
 def opened(shared, pages):
     """Return a function that opens a page of the robot, which is in SAFE."""
     return lambda through=shared.address: ready(pages(through))
 
 
-def goal_of(page, kind: str = 'goal') -> dict[str, object]:
-    """Return what a page knows of the newest goal, or tune."""
-    return dict(page.known.get(kind) or {})
+def goal_of(page) -> dict[str, object]:
+    """Return what a page knows of the newest goal."""
+    return dict(page.known.get('goal') or {})
 
 
 def pursued(page, name, **fields):
@@ -44,9 +38,9 @@ def sets_out(page, robot, name, **fields):
     assert not page.replies, 'it is under way'
 
 
-def test_goals_are_sent_watched_and_reached(robot, opened):
+def test_goals_are_sent_watched_and_reached(shared, opened):
     page, witness = opened(), opened()
-    sets_out(page, robot, 'drive_distance', distance=0.15)
+    sets_out(page, shared.robot, 'drive_distance', distance=0.15)
     way = witness.until(
         lambda: (goal_of(witness).get('feedback') or {}).get('remaining_travel_distance'))
     assert 0 < way <= 0.15
@@ -59,7 +53,7 @@ def test_goals_are_sent_watched_and_reached(robot, opened):
     assert goal_of(witness) == {
         'name': 'drive_distance', 'viewer': page.known['you'], 'state': 'reached',
         'text': reply['text'], 'feedback': None}
-    assert 0.1 < robot.body.truth().pose.x < 0.25
+    assert 0.1 < shared.robot.body.truth().pose.x < 0.25
     x, y = page.known['pose']['x'], page.known['pose']['y']
     place = {'pose': {'position': {'x': x + 0.05, 'y': y}}}
     reply = pursued(page, 'navigate_to_position', goal_pose=place)
@@ -72,7 +66,7 @@ def test_goals_are_sent_watched_and_reached(robot, opened):
     assert not page.reply()['ok']
 
 
-def test_a_goal_that_cannot_be_reached_says_why(robot, opened):
+def test_a_goal_that_cannot_be_reached_says_why(shared, opened):
     page = opened()
     reply = pursued(page, 'undock')
     assert not reply['ok'] and reply['text']
@@ -81,49 +75,48 @@ def test_a_goal_that_cannot_be_reached_says_why(robot, opened):
     page.send('cancel', what='goal')
     assert page.reply()['text'] == 'no goal of a page is under way'
     page.send('drive_distance', distance='far')
-    assert not page.reply()['ok'] and robot.standing
+    assert not page.reply()['ok'] and shared.robot.standing
 
 
-def test_a_goal_ends_by_cancel_stop_and_take_over(shared, robot, opened):
+def test_a_goal_ends_by_cancel_stop_and_take_over(shared, opened):
     page, other = opened(), opened()
     for end in ('cancel', 'stop', 'take_over'):
         page.until(lambda: goal_of(page).get('state') not in ('sent', 'under way', 'canceling'))
-        sets_out(page, robot, 'drive_distance', **LONG_WAY)
+        sets_out(page, shared.robot, 'drive_distance', **LONG_WAY)
         other.send(end, **({'what': 'goal'} if end == 'cancel' else {}))
         assert not page.reply()['ok']
-        shared.ros.until(lambda: robot.standing)
+        shared.ros.until(lambda: shared.robot.standing)
     page.send('drive_distance', **LONG_WAY)
     assert page.reply()['text'].startswith('another page drives')
 
 
-def test_stop_right_behind_a_goal_stops_it(shared, robot, opened):
+def test_stop_right_behind_a_goal_stops_it(shared, opened):
     page = opened()
     page.send('drive_distance', **LONG_WAY)
     page.send('stop')
     replies = {reply['to']: reply['ok'] for reply in (page.reply(), page.reply())}
     assert replies == {'drive_distance': False, 'stop': True}
     page.until(lambda: goal_of(page).get('state') == 'canceled')
-    shared.ros.until(lambda: robot.standing)
+    shared.ros.until(lambda: shared.robot.standing)
 
 
-def test_a_goal_ends_when_the_network_of_its_page_fails(shared, robot, opened):
+def test_a_goal_ends_when_the_network_of_its_page_fails(shared, opened):
     witness = opened()
-    relay = Relay(int(witness.address.rstrip('/').rpartition(':')[2]))
-    with closing(relay):
-        page = opened(f'http://127.0.0.1:{relay.port}/')
-        sets_out(page, robot, 'drive_distance', **LONG_WAY)
+    with closing(Relay(witness.address)) as relay:
+        page = opened(relay.address)
+        sets_out(page, shared.robot, 'drive_distance', **LONG_WAY)
         relay.freeze()
         witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
-        shared.ros.until(lambda: robot.standing)
+        shared.ros.until(lambda: shared.robot.standing)
 
 
-def test_a_goal_ends_when_its_page_or_the_driver_goes(shared, robot, opened):
+def test_a_goal_ends_when_its_page_or_the_driver_goes(shared, opened):
     page, witness = opened(), opened()
-    sets_out(page, robot, 'drive_distance', **LONG_WAY)
+    sets_out(page, shared.robot, 'drive_distance', **LONG_WAY)
     page.close()
     witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
-    shared.ros.until(lambda: robot.standing)
-    sets_out(witness, robot, 'drive_distance', **LONG_WAY)
+    shared.ros.until(lambda: shared.robot.standing)
+    sets_out(witness, shared.robot, 'drive_distance', **LONG_WAY)
     shared.driver.node.send(signal.SIGTERM)  # so no test comes after this one
     assert not witness.reply()['ok']
     witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))

@@ -4,7 +4,6 @@
 
 from contextlib import closing
 import http.client
-import os
 import signal
 import socket
 import ssl
@@ -14,31 +13,18 @@ import pytest
 
 from create_oi_ros.apps.web.create_web import encryption, kept_token
 from create_oi_ros.ros.programs import UserError
-from support.ros import scene
-from support.web import free_port, get, refusal, served
+from support.ros import TIMEOUT
+from support.web import free_port, get, port_of, refusal, served
 
 
 @pytest.fixture(scope='module')
-def stage(tmp_path_factory):
-    """Return an empty scene."""
-    with scene(tmp_path_factory.mktemp('server')) as made:
-        yield made
-
-
-@pytest.fixture(scope='module')
-def server(stage):
+def server(shared_stage):
     """Return a server with a token, and the address that it prints."""
-    os.environ['ROS_LOG_DIR'] = str(stage.folder / 'log')
-    try:
-        return served(stage, '--host', '0.0.0.0', '--token-file', str(stage.folder / 'token'),
-                      '--control', str(stage.folder / 'nowhere'))
-    finally:
-        del os.environ['ROS_LOG_DIR']
-
-
-def port_of(address: str) -> int:
-    """Return the port in an address."""
-    return int(address.partition('?')[0].rstrip('/').rpartition(':')[2])
+    folder = shared_stage.folder
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv('ROS_LOG_DIR', str(folder / 'log'))
+        return served(shared_stage, '--host', '0.0.0.0', '--token-file', str(folder / 'token'),
+                      '--control', str(folder / 'nowhere'))
 
 
 def local(address: str) -> str:
@@ -46,28 +32,12 @@ def local(address: str) -> str:
     return f'http://127.0.0.1:{port_of(address)}/'
 
 
-def ended(connection: socket.socket) -> bytes:
-    """Wait until the server ends a connection; return what it said before."""
-    connection.settimeout(20)
-    said = b''
-    try:
-        while received := connection.recv(4096):
-            said += received
-    except ConnectionResetError:
-        pass
-    return said
-
-
-@pytest.mark.parametrize('bad', [
-    b'GET / HTTP/1.1\r\n\r\n', b'GET /' + b'x' * 100_000 + b' HTTP/1.1\r\nHost: x\r\n\r\n',
-    b'\x16\x03\x01\x02\x00\x01\x00\x01', b'GET / HTTP/9.9.9\r\nHost: x\r\n\r\n',
-    b'GET / HTTP/1.1\r\nHost: x\r\nContent-Length: -1\r\n\r\n',
-    b'GET http://[ HTTP/1.1\r\nHost: [\r\n\r\n'], ids=lambda bad: bad[:24].decode('latin-1'))
-def test_bad_http_is_refused_and_others_are_served(server, bad):
+def test_bad_http_is_refused_without_a_traceback_and_others_are_served(server):
     web, address = server
     with closing(socket.create_connection(('127.0.0.1', port_of(address)))) as connection:
-        connection.sendall(bad)
-        assert b' 200 ' not in ended(connection)
+        connection.settimeout(TIMEOUT)
+        connection.sendall(b'GET / HTTP/9.9.9\r\nHost: x\r\n\r\n')
+        assert b' 400 ' in connection.recv(4096)
     assert get(local(address), '/')[0] == 401
     assert 'Traceback' not in web.output
 
@@ -98,22 +68,23 @@ def test_from_other_computers_a_token_is_needed(server, pages):
     assert 'Traceback' not in web.output and 'Error' not in web.output
 
 
-def test_a_control_socket_that_is_not_there_is_said(stage, server):
+def test_a_control_socket_that_is_not_there_is_said(shared_stage, server):
     web, _ = server
-    stage.ros.until(
+    shared_stage.ros.until(
         lambda: 'nowhere: no simulated robot answers there (No such file' in web.output)
 
 
-def test_a_token_in_a_file_lasts_and_no_log_has_it(stage, server):
+def test_a_token_in_a_file_lasts_and_no_log_has_it(shared_stage, server):
     web, address = server
     token = address.partition('?token=')[2]
-    file = stage.folder / 'token'
+    folder = shared_stage.folder
+    file = folder / 'token'
     assert file.read_text() == f'{token}\n' and file.stat().st_mode & 0o777 == 0o600
     web.send(signal.SIGTERM)
     assert web.ended() == 0
-    logs = [path.read_text() for path in (stage.folder / 'log').rglob('*') if path.is_file()]
+    logs = [path.read_text() for path in (folder / 'log').rglob('*') if path.is_file()]
     assert not any(token in log for log in logs)
-    again, _ = served(stage, '--host', '0.0.0.0', '--token-file', str(file),
+    again, _ = served(shared_stage, '--host', '0.0.0.0', '--token-file', str(file),
                       '--port', str(port_of(address)))
     cookie = f'create_web_{port_of(address)}={token}'
     assert get(local(address), '/', Cookie=cookie)[0] == 200
@@ -134,13 +105,13 @@ def test_a_file_that_is_no_good_for_a_token_is_refused(tmp_path, text, mode, wor
         kept_token(tmp_path)
 
 
-def test_with_a_certificate_the_page_is_encrypted(stage):
-    cert, key = stage.folder / 'cert.pem', stage.folder / 'key.pem'
+def test_with_a_certificate_the_page_is_encrypted(shared_stage):
+    cert, key = shared_stage.folder / 'cert.pem', shared_stage.folder / 'key.pem'
     subprocess.run(['openssl', 'req', '-x509', '-newkey', 'ed25519', '-nodes', '-days', '2',
                     '-subj', '/CN=localhost', '-addext', 'subjectAltName=IP:127.0.0.1',
                     '-keyout', key, '-out', cert], check=True, capture_output=True)
     port = free_port()
-    web, address = served(stage, '--host', '0.0.0.0', '--port', str(port),
+    web, address = served(shared_stage, '--host', '0.0.0.0', '--port', str(port),
                           '--cert', str(cert), '--key', str(key))
     assert address.startswith('https://')
     trusting = ssl.create_default_context(cafile=cert)

@@ -4,14 +4,13 @@
 
 import pytest
 
-from support.ros import Ready, scene
+from support.ros import Ready
 
 
 @pytest.fixture(scope='module')
-def shared(tmp_path_factory):
+def shared(shared_stage):
     """Return a robot in Safe mode and its node, with `goal_pose`, for the tests of a module."""
-    with scene(tmp_path_factory.mktemp('shared')) as made:
-        yield Ready(made, goal_pose=True)
+    return Ready(shared_stage, goal_pose=True)
 
 
 @pytest.fixture

@@ -11,17 +11,16 @@ import yaml
 
 from create_oi_ros import oi
 from create_oi_ros.sim.world import parse, Pose, shipped
-from support.ros import scene
 
 
 @pytest.fixture(scope='module')
-def shared(tmp_path_factory):
+def shared(shared_stage):
     """Return a scene with a robot before a wall, and its driver."""
-    with scene(tmp_path_factory.mktemp('examples')) as made:
-        made.hero = made.robot(world=parse('start 0 0 0\nwall 0.4 -1 0.4 1', 'wall'))
-        node = made.node(made.hero.link)
-        made.ros.until(lambda: 'robot answers' in node.output, 'the robot answers')
-        yield made
+    shared_stage.hero = shared_stage.robot(
+        world=parse('start 0 0 0\nwall 0.4 -1 0.4 1', 'wall'))
+    node = shared_stage.node(shared_stage.hero.link)
+    shared_stage.ros.until(lambda: 'robot answers' in node.output, 'the robot answers')
+    return shared_stage
 
 
 def printed(stage, text, *arguments):

@@ -21,7 +21,6 @@ class OpenPage:
         self._context = browser.new_context(has_touch=True)
         self._context.set_default_timeout(TIMEOUT_MS)
         self.page = self._context.new_page()
-        self._touches: Any = None
         self.errors: list[str] = []
         self.page.on('pageerror', lambda error: self.errors.append(str(error)))
         self.page.on('console', lambda message: message.type == 'error' and self.errors.append(
@@ -70,19 +69,6 @@ class OpenPage:
     def evaluate(self, expression: str, argument: Any = None) -> Any:
         """Return the value of an expression, or of a function of the argument, in the page."""
         return self.page.evaluate(expression, argument)
-
-    @property
-    def touches(self) -> Any:
-        """What fingers are dispatched to."""
-        if self._touches is None:
-            self._touches = self._context.new_cdp_session(self.page)
-        return self._touches
-
-    def other(self, address: str) -> None:
-        """Open another page of the same browser, with the same cookies, for a moment."""
-        page = self._context.new_page()
-        page.goto(address)
-        page.close()
 
     def leave(self) -> None:
         """Show nothing any more, and forget cookies; fail if the page has complained."""

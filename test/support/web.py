@@ -43,6 +43,11 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
+def port_of(address: str) -> int:
+    """Return the port in an address."""
+    return int(address.partition('?')[0].rstrip('/').rpartition(':')[2])
+
+
 def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], str]:
     """Ask for a path as it stands, with just these headers; return status, headers, body."""
     host = address.removeprefix('http://').partition('/')[0]
@@ -69,8 +74,7 @@ class PageClient:
         self.close_code: int | None = None
         self._session = self._run(self._open_session())
         base = address.partition('?')[0].rstrip('/')
-        port = base.rpartition(':')[2]
-        cookies = {'Cookie': f'create_web_{port}={token}'} if token else {}
+        cookies = {'Cookie': f'create_web_{port_of(address)}={token}'} if token else {}
         try:
             self._socket = self._run(self._session.ws_connect(
                 f'{base}/live', params={'page': name} if name else {},
@@ -173,11 +177,11 @@ def stops_in_time(ros: Listener, robot: Robot) -> None:
 class Relay:
     """A bad network: passes TCP bytes on, late; or none any more, and nobody is told."""
 
-    def __init__(self, port: int) -> None:
-        """Listen on `self.port`, and connect whoever comes with `port`."""
+    def __init__(self, address: str) -> None:
+        """Listen at `self.address`, and connect whoever comes with the server of an address."""
         self._listener = socket.create_server(('127.0.0.1', 0))
-        self.port = int(self._listener.getsockname()[1])
-        self._target = port
+        self.address = f'http://127.0.0.1:{self._listener.getsockname()[1]}/'
+        self._target = port_of(address)
         self.delay = 0.0
         """Seconds for which bytes are on their way at least, in each direction."""
         self._moving = threading.Event()
