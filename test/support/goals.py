@@ -59,19 +59,14 @@ class Ending(NamedTuple):
     docked: bool
 
 
-def ending_of(goal: Goal) -> Ending:
-    """Return how a goal ended."""
-    assert goal.outcome is not None and goal.outcome.ok is (goal.code is Code.NONE)
-    return Ending(goal.code, goal.outcome.text, goal.docked)
-
-
-def until_ended(loop: Loop, running: Goal) -> Ending:
-    """Let time pass until the goal has ended."""
-    deadline = loop.now + PATIENCE
+def until_ended(loop: Loop, running: Goal, within: float = PATIENCE) -> Ending:
+    """Let time pass until the goal has ended; return how."""
+    deadline = loop.now + within
     while running.outcome is None:
         assert loop.now < deadline, 'the goal has not ended'
         loop.turn()
-    return ending_of(running)
+    assert running.outcome.ok is (running.code is Code.NONE)
+    return Ending(running.code, running.outcome.text, running.docked)
 
 
 def pursue(loop: Loop, goal: Goal) -> Ending:
@@ -108,11 +103,8 @@ def moving(loop: Loop, goal=None):
 
 def ended(loop: Loop, running, within: float = 2 * FRAME) -> Ending:
     """Return how a goal ended, which must be very soon; the wheels are told to stand then."""
-    deadline = loop.now + within
-    while running.outcome is None:
-        assert loop.now <= deadline, 'the goal still runs'
-        loop.turn()
+    ending = until_ended(loop, running, within)
     loop.run(2 * STEP)
     assert loop.robot.actuators.wheels == (0, 0)
     assert loop.driver.state.activity is not Activity.GOAL
-    return ending_of(running)
+    return ending

@@ -33,13 +33,9 @@ def imported(path: Path) -> Iterator[str]:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            origin = '.'.join(filter(None, (home(path, node.level), node.module)))
+            around = path.relative_to(ROOT).parts[:-node.level] if node.level else ()
+            origin = '.'.join(filter(None, (*around, node.module)))
             yield from (f'{origin}.{alias.name}' for alias in node.names)
-
-
-def home(path: Path, level: int) -> str:
-    """Return the package that this many leading dots mean in a file."""
-    return '.'.join(path.relative_to(ROOT).parts[:-level]) if level else ''
 
 
 def plain_calls(path: Path) -> Iterator[str]:
