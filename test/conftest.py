@@ -24,7 +24,7 @@ os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
 HANGS = 1.5
 """Times its own timeout after which a test ends its process: the timeout has not helped."""
 STDERR = pytest.StashKey[int]()
-MAY_LACK = ('no Chromium', 'no check_urdf', 'no `ros2 security`', 'not a clone of git',
+MAY_LACK = ('no Chromium', 'no `ros2 security`', 'not a clone of git',
             *([] if 'CREATE_OI_ROS2' in os.environ else ['no `ros2` here']))
 """
 Words in the reasons for a skip that `make` cannot help; all else it installs.
