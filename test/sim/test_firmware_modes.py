@@ -1,16 +1,19 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The simulated Create's modes, one test for each sentence of the manual that says what it does.
+The simulated Create's modes and actuators, one test for each sentence of the manual.
 
 Sections are the manual's: iRobot Create Open Interface Modes, Getting Started Commands, Mode
-Commands, Open Interface Command Reference.
+Commands, Open Interface Command Reference, Actuator Commands.
 """
+
+from collections import deque
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi import Mode
+from create_oi_ros.oi import Mode, Note
+from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import parse, shipped
 from support.robot import GENTLE, Robot
 import vectors
@@ -117,3 +120,132 @@ def test_a_command_that_the_mode_forbids_still_takes_its_data_bytes() -> None:
     robot = Robot(Mode.PASSIVE)
     robot.say(bytes([145, 132, 132, 132, 132]), bytes([140, 0, 1, 132, 132]))
     assert robot.mode is Mode.PASSIVE
+
+
+# Actuator Commands, and the packets that report on them (36, 37, 39 to 42).
+
+
+ONE_NOTE, OTHER_NOTE = (Note(60, 32),), (Note(72, 64), Note(0, 64), Note(74, 64))
+
+
+@pytest.fixture
+def robot() -> Robot:
+    """Return a robot in Full mode on endless floor."""
+    return Robot(Mode.FULL)
+
+
+# Drive and Drive Direct.
+
+@pytest.mark.parametrize(('sent', 'speed', 'rate'), [
+    ('137 255 56 1 244', -0.2, -0.2 / 0.5),  # the manual's example
+    ('137 0 200 128 0', 0.2, 0.0), ('137 0 200 127 255', 0.2, 0.0), ('137 0 200 0 0', 0.2, 0.0),
+    ('137 0 100 255 255', 0.0, -0.1 / 0.129), ('137 0 100 0 1', 0.0, 0.1 / 0.129),
+    ('137 0 200 35 40', 0.2, 0.1), ('137 0 200 220 216', 0.2, -0.1),  # 2 m is the longest radius
+    ('137 1 244 0 129', 0.25, 0.5 / 0.258),  # the outer wheel cannot run at 1 m/s
+    ('145 0 200 255 156', 0.05, 0.3 / 0.258)])
+def test_the_wheels_turn_as_the_manual_says(
+        robot: Robot, sent: str, speed: float, rate: float) -> None:
+    robot.say(vectors.octets(sent))
+    robot.run(1)
+    truth = robot.body.truth()
+    assert (truth.speed, truth.rate) == pytest.approx((speed, rate), abs=1e-6)
+
+
+@pytest.mark.parametrize(('asked', 'got'), [(32767, 500), (501, 500), (-501, -500)])
+def test_a_velocity_out_of_range_is_clamped(robot: Robot, asked: int, got: int) -> None:
+    word = asked.to_bytes(2, signed=True)
+    robot.say(b'\x89' + word + b'\x7f\xff', b'\x91' + word + word)
+    assert robot.read('requested_velocity') == got
+    assert robot.read('requested_right_velocity') == got
+    assert robot.read('requested_left_velocity') == got
+
+
+def test_drive_and_drive_direct_report_in_their_own_packets(robot: Robot) -> None:
+    robot.say(oi.Drive(velocity=120, radius=-340), oi.DriveDirect(right=56, left=-78))
+    assert robot.ask(39, 40, 41, 42) == bytes([0, 120, 254, 172, 0, 56, 255, 178])
+
+
+# LEDs, low side drivers, Send IR.
+
+@pytest.mark.parametrize(('sent', 'name', 'value'), [
+    ('139 8 0 128', 'lights', (oi.LedBits.ADVANCE, 0, 128)),
+    ('144 32 0 128', 'duties', (128, 0, 32)), ('138 7 138 2', 'duties', (0, 128, 0)),
+    ('144 129 0 0', 'duties', (0, 0, 0)), ('151 200 151 0', 'infrared_sent', deque([200, 0]))])
+def test_the_manuals_examples_set_what_they_say_and_what_is_out_of_range_sets_nothing(
+        robot: Robot, sent: str, name: str, value: object) -> None:
+    robot.say(vectors.octets(sent))
+    assert getattr(robot.create.actuators, name) == value
+
+
+@pytest.mark.parametrize('masks', [True, False])
+def test_whether_bits_without_a_meaning_count_is_a_guess_with_a_switch(masks: bool) -> None:
+    """139 25 0 128 was seen to light Advance."""
+    robot = Robot(Mode.FULL, guesses=Guesses(mask_bits=masks))
+    robot.say(bytes([139, 25, 0, 128]), bytes([138, 0xf9]), bytes([147, 0xfc]))
+    state = robot.create.actuators
+    before = (oi.LedBits(0), 0, 0), (0, 0, 0), 0
+    after = (oi.LedBits.ADVANCE, 0, 128), (128, 0, 0), 4
+    assert (state.lights, state.duties, state.outputs) == (after if masks else before)
+
+
+# Digital Outputs.
+
+
+def test_when_switched_on_the_digital_outputs_are_high_for_the_first_3_seconds() -> None:
+    robot = Robot()
+    robot.create.power(False, robot.now)
+    assert robot.create.outputs == 0
+    robot.create.power(True, robot.now)
+    assert robot.create.outputs == 7
+    robot.run(2.9)
+    assert robot.create.outputs == 7
+    robot.run(0.2)
+    assert robot.create.outputs == 0
+
+
+# Song and Play Song.
+
+def test_you_can_specify_up_to_sixteen_songs_of_up_to_sixteen_notes(robot: Robot) -> None:
+    for number in range(16):
+        robot.say(oi.Song(number=number, notes=(Note(40 + number, 1),) * 16))
+    for number in range(16):
+        robot.say(oi.PlaySong(number=number))
+        assert robot.create.note == 40 + number
+        assert robot.read('song_number') == number
+        robot.run(16 / 64 + 0.015)
+
+
+@pytest.mark.parametrize('song', [bytes([140, 16, 1, 60, 60]), bytes([140, 0, 17] + [60] * 34),
+                                  bytes([140, 0, 0])])
+def test_a_song_out_of_range_is_ignored_but_its_bytes_are_taken(
+        robot: Robot, song: bytes) -> None:
+    robot.say(song, oi.PlaySong(number=0), bytes([141, 16]))
+    assert not robot.read('song_playing')
+
+
+def test_a_second_song_with_the_same_number_overwrites_the_old_one(robot: Robot) -> None:
+    robot.say(oi.Song(number=3, notes=ONE_NOTE), oi.Song(number=3, notes=OTHER_NOTE),
+              oi.PlaySong(number=3))
+    assert robot.create.note == 72
+
+
+@pytest.mark.parametrize(('number', 'sounds'), [
+    (30, False), (31, True), (127, True), (128, False), (0, False), (255, False)])
+def test_notes_outside_the_range_of_31_to_127_are_rests(
+        robot: Robot, number: int, sounds: bool) -> None:
+    robot.say(oi.Song(number=0, notes=(Note(number, 64),)), oi.PlaySong(number=0))
+    assert robot.create.note == (number if sounds else oi.REST)
+    assert robot.read('song_playing')
+
+
+def test_play_does_not_work_if_a_song_is_already_playing(robot: Robot) -> None:
+    robot.say(oi.Song(number=0, notes=OTHER_NOTE), oi.Song(number=1, notes=ONE_NOTE),
+              oi.PlaySong(number=0), oi.PlaySong(number=1))
+    assert robot.read('song_number') == 0
+    robot.run(1.5)
+    assert robot.create.note == 0
+    robot.run(1.4)
+    assert robot.create.note == 74
+    robot.run(0.2)
+    robot.say(oi.PlaySong(number=1))
+    assert (robot.read('song_number'), robot.create.note) == (1, 60)
