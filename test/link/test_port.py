@@ -246,14 +246,9 @@ def session_on(url: Path | str, *, dead_man: bool = False, **settings):
         ours.close()
 
 
-@contextmanager
-def robot_on(link: Path):
+def robot_on(link: Path) -> closing[Robot]:
     """Switch a robot on."""
-    robot = Robot(link, shipped('empty'), Rounding.CARRY, DEFAULT_BODY)
-    try:
-        yield robot
-    finally:
-        robot.close()
+    return closing(Robot(link, shipped('empty'), Rounding.CARRY, DEFAULT_BODY))
 
 
 class BareLine(serial.Serial):
