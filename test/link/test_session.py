@@ -308,15 +308,6 @@ def test_an_error_in_another_thread_stops_the_robot_and_ends_the_session(use, mo
     assert ride.errors[:1] == [Broken] and ride.failures >= 1
 
 
-def test_an_error_that_a_stop_has_met_does_not_come_again_at_the_end(monkeypatch):
-    ride = Ride(monkeypatch)
-    monkeypatch.setattr(type(ride.session.driver.core), 'handle', fail)
-    ride.use(stop)
-    ride.use(Session.close)
-    assert ride.wheels == (0, 0) and ride.port.heard.endswith(FAREWELL)
-    assert (ride.errors, ride.failures) == ([Broken], 1)
-
-
 def test_a_publisher_that_raises_stops_the_robot_and_ends_the_session(monkeypatch):
     ride = Ride(monkeypatch)
     ride.on_event = fail

@@ -74,16 +74,6 @@ def test_the_list_may_change_in_flight() -> None:
     assert [e.packets for e in list(reader) if isinstance(e, oi.Frame)] == [longer]
 
 
-def test_finish_returns_frames_after_an_incomplete_one() -> None:
-    longer = oi.PacketList([6])
-    begun = longer.pack_frame([0] * 36)[:20]
-    reader = oi.StreamReader([longer, CLIFF])
-    reader.feed(begun + GOOD + GOOD)
-    assert reader.next_event() is None
-    assert kinds(reader.finish()) == 'gFF'
-    assert reader.finish() == []
-
-
 def test_a_list_too_long_for_a_frame_is_ignored() -> None:
     packets = oi.PacketList([6] * 5)
     assert packets.length == (5 * 53) & 0xff
