@@ -206,7 +206,7 @@ def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
     loop.turn()
     assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
     assert loop.robot.mode is mode
-    loop.run(1.0)
+    loop.drive(0.2, 0.0, 1.0)
     assert loop.body.truth().speed == 0
 
 

@@ -330,16 +330,6 @@ def test_a_session_that_is_closed_tells_what_the_driver_says_last(monkeypatch):
     assert texts[-1].startswith('the driver ends, but a script plays')
 
 
-def test_a_robot_whose_driver_has_failed_is_driven_no_more(monkeypatch):
-    ride = Ride(monkeypatch)
-    with pytest.raises(Broken), ride.session.request():
-        raise Broken
-    ride.session.drive(0.2, 0.0)
-    assert ride.wheels == (0, 0) and ride.failures == 1
-    ride.session.close()
-    assert not ride.errors
-
-
 @pytest.mark.parametrize('asleep', [1.3, 20.0])
 def test_after_a_sleep_of_the_computer_the_robot_stands_and_is_called_anew(monkeypatch, asleep):
     ride, told = Ride(monkeypatch), []
