@@ -90,7 +90,8 @@ def parsed(text: str) -> Knowledge:
     """Return what the content of a file says; ValueError: what is wrong with it, or OldModel."""
     try:
         content = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError, AttributeError, LookupError, RecursionError) as error:
+        # The last four: of values with a tag, such as `!!bool perhaps`, and of lists in lists.
         raise ValueError(f'it is no YAML: {" ".join(str(error).split())}') from error
     if not isinstance(content, dict) or 'format' not in content:
         raise ValueError("it is no model of a robot: it has no 'format'")
@@ -98,6 +99,7 @@ def parsed(text: str) -> Knowledge:
         raise OldModel(f"format {content['format']} is of an older odometry")
     if content['format'] != FORMAT:
         raise ValueError(f"format {content['format']!r} is not known; it must be {FORMAT}")
+    _check_names(content, ('format', 'verdict', *CHANCES, *NUMBERS, 'gyro', 'readings'))
     gyro = None
     if 'gyro' in content:
         gyro = KnownGyro(**_numbers(_mapping(content, 'gyro', GYRO), GYRO, 'gyro: '))
@@ -138,9 +140,13 @@ def _mapping(content: Mapping[str, Any], name: str, allowed: Iterable[str], wher
     if not isinstance(value, dict):
         raise ValueError(f'{where}{name} is missing' if value is None else
                          f'{where}{name} must be a mapping')
-    for unknown in value.keys() - set(allowed):
-        raise ValueError(f'{where}{name}: {unknown!r} is unknown; allowed: {", ".join(allowed)}')
+    _check_names(value, allowed, f'{where}{name}: ')
     return value
+
+
+def _check_names(value: Mapping[str, Any], allowed: Iterable[str], where: str = '') -> None:
+    for unknown in value.keys() - set(allowed):
+        raise ValueError(f'{where}{unknown!r} is unknown; allowed: {", ".join(allowed)}')
 
 
 def _number(content: Mapping[str, Any], name: str, limits: tuple[float, float],
@@ -160,7 +166,7 @@ class ModelKeeper:
     def __init__(self, node: Node, path: str) -> None:
         """Read the file; ValueError says what is wrong with it."""
         self._log = node.get_logger()
-        self._path = Path(path).expanduser() if path else None
+        self._path = Path(os.path.expanduser(path)) if path else None
         self.robot: Knowledge | None = None
         """What the file says; None where there is none."""
         if self._path is None:

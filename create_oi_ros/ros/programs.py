@@ -193,7 +193,7 @@ def log_folder() -> Path:
     """Return the folder in which ROS writes log files; UserError: there is none."""
     for name, inside in (('ROS_LOG_DIR', '.'), ('ROS_HOME', 'log'), ('HOME', '.ros/log')):
         if os.environ.get(name):
-            return Path(os.environ[name]).expanduser() / inside
+            return Path(os.path.expanduser(os.environ[name])) / inside
     raise UserError(NO_LOGS)
 
 

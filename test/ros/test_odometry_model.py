@@ -60,6 +60,7 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path):
     ({'frame_period': {'value': 0.02, 'deviation': 1e-5}}, 'frame_period: value is 0.02'),
     ({'dead_time': None}, 'dead_time is missing'), ({'readings': -1}, 'readings is -1'),
     ({'gyro': {'zero': {'value': 2.5, 'deviation': 0.1}}}, 'gyro: scale is missing'),
+    ({'gyros': {}}, "'gyros' is unknown; allowed: format, verdict, rounding, .*, gyro, readings"),
     *(({'gyro': {'zero': {'value': 2.5, 'deviation': 0.1},
                  'scale': {'value': scale, 'deviation': 0.1}}}, f'scale: value is {scale}')
       for scale in (0.5, -2000.0)),
@@ -72,7 +73,9 @@ def test_a_value_that_cannot_be_is_named(change, said):
 @pytest.mark.parametrize(('content', 'said'), [
     (b'', 'no model of a robot.*; delete the file'), (b'[1, 2', 'no YAML.*; delete the file'),
     (b'format: 3', 'rounding is missing.*; delete the file'),
-    (b'just words', 'no model of a robot.*; delete the file'), (b'\xff\xfe\x00', 'is no text')])
+    (b'just words', 'no model of a robot.*; delete the file'), (b'\xff\xfe\x00', 'is no text'),
+    *((content, 'no YAML.*; delete the file') for content in (
+        b'format: !!bool perhaps', b'format: !!timestamp today', b'[' * 3000, b'2026-99-99'))])
 def test_what_is_no_model_is_named(tmp_path, content, said):
     file = tmp_path / 'model.yaml'
     file.write_bytes(content)
@@ -103,6 +106,13 @@ def test_a_file_of_an_older_odometry_is_kept_aside_and_a_new_one_written_and_rea
     until(lambda: f'starts with what {file} knows' in again.output)
     until(lambda: [status for array in diagnosed for status in array.status
                    if status.name == 'create: odometry' and status.values])
+
+
+def test_a_home_of_nobody_is_no_folder(stage, tmp_path):
+    node = stage.node(tmp_path / 'port', odometry_model='~nobody-here/model.yaml')
+    assert node.ended() == 2
+    assert 'parameter odometry_model: ~nobody-here is no folder' in node.output
+    assert 'Traceback' not in node.output
 
 
 def test_a_broken_file_keeps_the_node_from_starting(stage, tmp_path):
