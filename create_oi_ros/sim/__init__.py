@@ -13,6 +13,8 @@ import math
 
 LONGEST = 40
 """Characters of a wrong word that an error repeats: a file may hold anything."""
+FARTHEST = 1e6
+"""Largest number that a file or a line may have: squares of larger ones may be infinite."""
 TOLERANCE = 1e-6
 """Seconds by which a sum of floats may fall short of the time it stands for."""
 
@@ -25,4 +27,6 @@ def number(text: str) -> float:
         value = math.nan
     if not math.isfinite(value):
         raise ValueError(f'{text[:LONGEST]!r} is not a number')
+    if abs(value) > FARTHEST:
+        raise ValueError(f'{text[:LONGEST]!r}; allowed: {-FARTHEST:.0f} to {FARTHEST:.0f}')
     return value

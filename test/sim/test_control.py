@@ -62,7 +62,7 @@ def test_every_word_is_understood_or_refused_with_the_reason(robot: Robot) -> No
                  'force wall=2', 'force wall=0.5', 'unforce nose', 'place 1 2', 'place 1 2 x',
                  'push 1', 'charger', 'battery charge=x', 'fault burn', 'cable tie', 'wait x',
                  'wait nose=1', 'wait mode>1', 'place nan 0 0', 'after', 'wait x=1 timeout=x',
-                 'drop nose', 'load ld9=1', '\xe4\xf6'):
+                 'place 1e200 0 0', 'push 1e300 0 1', 'drop nose', 'load ld9=1', '\xe4\xf6'):
         assert teacher.ask(line).startswith('error '), line
     assert teacher.ask('wait x>9 timeout=0.05').startswith('error timeout')
 

@@ -56,6 +56,8 @@ def test_in_a_shipped_world_the_robot_starts_free_and_on_the_floor(name):
     ('box 1 1 1 2', 'has no length'),
     ('start 0 zero 0', "'zero' is not a number"),
     ('start 0 nan 0', "'nan' is not a number"),
+    ('post 1 0 1e200', "'1e200'; allowed: -1000000 to 1000000"),
+    ('wall 0 0 -1e300 1', "'-1e300'; allowed: -1000000 to 1000000"),
     ('floor 1.5', 'reflectance 1.5; allowed: 0 to 1'),
     ('patch 2 0 0 1 0 1 1', 'reflectance 2.0'),
     ('patch 0.5 0 0 1 0', "5 numbers after 'patch'"),
@@ -291,3 +293,12 @@ def test_the_program_writes_a_map_that_nav2_can_load(tmp_path: Path):
     head, size, depth, cells = (tmp_path / 'apartment.pgm').read_bytes().split(b'\n', 3)
     assert (head, size, depth) == (b'P5', f'{drawn.width} {drawn.height}'.encode(), b'255')
     assert cells == drawn.cells
+
+
+def test_a_world_that_is_too_large_for_a_map_is_refused(tmp_path: Path):
+    world, path = tmp_path / 'hall.world', tmp_path / 'hall.yaml'
+    world.write_text('wall 0 0 1000 500\n')
+    with simulator('--world', world, '--export', path) as sim:
+        code, _, said = sim.ended()
+    assert code == 1 and f'create_sim: {world}: 1001 m by 501 m is too large for a map' in said
+    assert not path.exists()

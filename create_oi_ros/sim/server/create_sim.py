@@ -23,7 +23,7 @@ from ..body import Body
 from ..body.config import BodyConfig
 from ..firmware import Create
 from ..firmware.guesses import Guesses, parse_guesses
-from ..world import shipped_names, World
+from ..world import shipped_names, World, WorldError
 from ..world.floor_plan import map_of
 from ..world_files import read_world
 from .control import ControlPort
@@ -220,7 +220,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _serve(options, guesses, config)
     except BrokenPipeError:
         raise  # nobody reads the output: the caller ends the program quietly
-    except CaptureError as error:
+    except (CaptureError, WorldError) as error:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1
     except OSError as error:

@@ -12,13 +12,15 @@ from math import ceil, floor, hypot
 from typing import NamedTuple
 
 from .geometry import Disc, LineSegment, Obstacle, Point, Polygon
-from .world import World
+from .world import World, WorldError
 
 RESOLUTION = 0.02
 """Metres of a cell."""
 MARGIN = 0.5
 """Metres around everything; a world with nothing in it is EMPTY metres wide either way."""
 EMPTY = 3.0
+MOST_CELLS = 10 ** 8
+"""Cells of the largest map, a byte each."""
 OCCUPIED, UNKNOWN, FREE = 0, 205, 254
 """Grey values, as Nav2 reads them with the thresholds below."""
 
@@ -50,6 +52,10 @@ def map_of(world: World) -> Map:
     low_x, low_y, high_x, high_y = _bounds(world)
     left, bottom = floor(low_x / RESOLUTION), floor(low_y / RESOLUTION)
     width, height = ceil(high_x / RESOLUTION) - left, ceil(high_y / RESOLUTION) - bottom
+    if width * height > MOST_CELLS:
+        raise WorldError(
+            f'{world.name}: {width * RESOLUTION:.0f} m by {height * RESOLUTION:.0f} m is '
+            f'too large for a map; allowed: {MOST_CELLS} cells of {RESOLUTION} m (200 m by 200 m)')
     cells = bytearray([UNKNOWN]) * (width * height)  # rows from the lowest y up
 
     def middles(points: list[Point]) -> Iterator[tuple[int, float, float]]:
