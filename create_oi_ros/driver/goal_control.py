@@ -211,7 +211,8 @@ class GoalControl:
             self._core.outbox.send_at_once(HALT, now)
             self._core.listening.stop_sent = True
         if over.code is Code.NONE:
-            self._modes.want(self._core.status.wanted)  # and no longer that from before
+            # And no longer that from before.
+            self._modes.want(self._goal.leaves_in or self._core.status.wanted)
         elif self._core.state.activity is Activity.DOCKING:
             self._core.outbox.send_at_once(END_DEMO, now)
         self._end(self._goal, over)

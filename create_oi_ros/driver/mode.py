@@ -76,8 +76,8 @@ class Modes:
         self._core = core
         self._outputs = outputs
         self._attempt = Attempt()
-        self._before_goal: oi.Mode | None = None
-        """The mode from before a goal wanted another; None where none does."""
+        self._before_goal: ModeStatus | None = None
+        """What was before a goal wanted another mode; None where none does."""
         self._causes_before: tuple[Cause, ...] = ()
         """What the frame before showed."""
         self._cause_seen_at = -inf
@@ -95,21 +95,30 @@ class Modes:
     @property
     def own(self) -> oi.Mode:
         """The mode that somebody asked for, whatever a goal wants meanwhile."""
-        return self._core.status.wanted if self._before_goal is None else self._before_goal
+        return (self._before_goal or self._core.status).wanted
 
     def borrow(self, mode: oi.Mode) -> None:
         """Want a mode for the goal that runs."""
-        own = self.own
+        before = self._before_goal or self._core.status
         self.want(mode)
-        self._before_goal = None if own is mode else own
+        self._before_goal = None if before.wanted is mode else before
 
     def give_back(self, *, enter: bool) -> None:
-        """Want the mode from before a goal again, if it wanted another; perhaps enter it now."""
-        if self._before_goal is not None:
-            left = not enter and self._core.status.actual is not self._before_goal
-            self.want(self._before_goal, self._core.status.causes if left else ())
-            if enter:
-                self.enter(inf)
+        """
+        Want the mode from before a goal again, if it wanted another; perhaps enter it now.
+
+        A robot that a hazard had taken out of that mode before, and that is in Passive, stays.
+        """
+        before, status = self._before_goal, self._core.status
+        if before is None:
+            return
+        hazards = before.causes if status.actual is oi.Mode.PASSIVE else ()
+        if enter and not hazards:
+            self.want(before.wanted)
+            self.enter(inf)
+        else:
+            left = status.actual is not before.wanted
+            self.want(before.wanted, (status.causes or hazards) if left else ())
 
     # How the robot gets into it.
 

@@ -9,6 +9,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
+from create_oi_ros.driver.events import Cause
 from create_oi_ros.driver.goals import Code, Dock, Goal, Undock
 from create_oi_ros.driver.mode import CLEAR_TIME, MAX_TRIES, MODE_TIMEOUT, SETTLING_TIME
 from create_oi_ros.driver.state import Activity
@@ -316,6 +317,54 @@ def test_a_hazard_that_ended_the_mode_is_not_overruled():
     loop.run(2.0)
     assert loop.robot.mode is Mode.PASSIVE and loop.driver.status.wanted is Mode.SAFE
     assert loop.commands().count(oi.Safe()) <= 1
+
+
+# A robot that a hazard took out of its mode before the goal began.
+
+
+def carried(world: str = 'start 0.8 0 180\nhome_base 0 0 0', **settings: object) -> Loop:
+    """Return a robot that was lifted out of Safe, and stands where it was."""
+    loop = met(world=parse(world, 'base'), settings=Settings(**settings))
+    loop.body.lift(True)
+    loop.run(0.4)
+    loop.body.lift(False)
+    loop.run(1.2)
+    assert loop.robot.mode is Mode.PASSIVE and loop.driver.status.wanted is Mode.SAFE
+    return loop
+
+
+@pytest.mark.parametrize('gap', [Loop.lose_line, Loop.lose_port, Loop.stand_still])
+def test_a_robot_that_was_carried_to_its_dock_charges_on_after_a_gap(gap):
+    loop = carried()
+    loop.body.place(ON_BASE)
+    loop.run(0.5)
+    assert pursue(loop, Dock(0.0)).text == 'docked; the battery charges'
+    assert loop.driver.status.wanted is Mode.PASSIVE
+    gap(loop, 6.0)
+    loop.run(3.0)
+    assert loop.robot.mode is Mode.PASSIVE
+
+
+@pytest.mark.parametrize('way', ['cancel', 'stop', 'velocity'])
+def test_a_search_for_the_dock_brings_back_no_mode_that_a_hazard_had_ended(way):
+    loop = carried(recover_mode=False)
+    goal = start(loop, Dock(0.0))
+    loop.run(3.0)
+    loop.commands()
+    WAYS[way](loop, goal)
+    loop.run(2.0)
+    assert goal.outcome is not None and loop.robot.demo is None
+    assert loop.robot.mode is Mode.PASSIVE and oi.Safe() not in loop.commands()
+    assert loop.driver.status.wanted is Mode.SAFE
+    assert Cause.WHEEL_DROP_LEFT in loop.driver.status.causes
+
+
+def test_a_velocity_after_a_search_that_a_hazard_came_before_enters_safe_again():
+    loop = carried()
+    loop.driver.goals.cancel(start(loop, Dock(0.0)), loop.now)
+    loop.run(0.5)
+    loop.drive(-0.1, 0.0, 1.0)
+    assert loop.robot.mode is Mode.SAFE and loop.robot.actuators.wheels == (-100, -100)
 
 
 # What is refused changes nothing.

@@ -47,6 +47,7 @@ class Dock(Goal):
     """Find the Home Base and charge there."""
 
     needs_driving = False
+    leaves_in = oi.Mode.PASSIVE
 
     def __init__(self, allowance: float) -> None:
         """Take seconds; 0: as long as a search may take."""

@@ -155,6 +155,8 @@ class Goal(Pending, ABC):
 
     needs_driving = True
     """Whether the robot must follow velocities when the goal begins."""
+    leaves_in: oi.Mode | None = None
+    """The mode in which the robot stays when the goal was reached; None: in which it is then."""
     hint = ''
     """What may be a mistake of whoever sent the goal; it is pursued all the same."""
 
