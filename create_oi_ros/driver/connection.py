@@ -233,8 +233,9 @@ class Connection:
         elif self._calls == (
                 CALLS_OF_RESTART if self._restarts and self._unanswered else CALLS_BEFORE_NOTICE):
             self._restarts = self._restarts and self._unanswered is None
-            self._unanswered = self._no_answer()
-            self._core.notice(Severity.ERROR, self._unanswered)
+            before, self._unanswered = self._unanswered, self._no_answer()
+            if self._unanswered != before:
+                self._core.notice(Severity.ERROR, self._unanswered)
         self._call(now, StateEvent.NO_ANSWER)
 
     def _no_answer(self) -> str:

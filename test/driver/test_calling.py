@@ -194,6 +194,18 @@ def test_a_robot_that_restarts_and_does_not_answer_is_told_of_after_all(met):
     assert told[1].startswith('no answer at 57600 baud')
 
 
+@pytest.mark.parametrize('off', [1.5, 2.0, 3.0, 6.0])
+def test_a_robot_that_was_off_is_told_of_once_though_it_restarts_then(off):
+    loop = Loop()
+    loop.run(1.0)
+    loop.robot.power(False, loop.now)
+    loop.run(off)
+    loop.robot.power(True, loop.now)
+    loop.run(9.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert said(loop, Severity.ERROR, 'no answer at 57600 baud') == 1
+
+
 @pytest.mark.parametrize('opened', range(1, 1 + len(QUESTIONS)))
 @pytest.mark.parametrize('robot_baud', RATES)
 def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(robot_baud, opened):
