@@ -60,6 +60,8 @@ class Odometry:
         """Whether the next reading may not be whole; whether nothing was requested of its way."""
         self._gap = self._hurry = 0.0
         """Seconds of its window that nobody saw, and for which corrections may be fast."""
+        self._trip_after_gap = False
+        """Whether the trip has begun after these seconds."""
         self._behind = (0.0, 0.0, 0.0)
         """What of the corrections is not blended in yet."""
         self._frame = 0
@@ -99,6 +101,7 @@ class Odometry:
     def start_trip(self) -> None:
         """Let `Estimate.trip` go on from here without corrections of what was before."""
         self._split()
+        self._trip_after_gap = self._gap > 0
         self.filters.start_trip()
         self._grow()
         self.estimate = self.estimate._replace(trip=self.filters.trip, trip_variance=(0.0, 0.0))
@@ -198,8 +201,10 @@ class Odometry:
             place, heading = (GAP_SPEED * gap) ** 2, min(GAP_RATE * gap, GAP_MOST) ** 2
         chord = far * (sin(turn / 2) / (turn / 2) if turn else 1.0)
         middle = f.yaw + self._window.turn + turn / 2
-        f.shift(np.array([chord * cos(middle), chord * sin(middle), turn, far, turn]),
-                np.array([place, place, heading, place, heading]))
+        of_trip = not self._trip_after_gap
+        f.shift(np.array([chord * cos(middle), chord * sin(middle), turn,
+                          of_trip * far, of_trip * turn]),
+                np.array([place, place, heading, of_trip * place, of_trip * heading]))
         f.take(None, self._window.seconds)
 
     def _split(self) -> None:

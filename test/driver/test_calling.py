@@ -360,6 +360,22 @@ def test_a_distance_after_a_gap_is_as_long_as_was_asked():
     assert reach(loop, distance(1.0))[0] == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.parametrize(('turn', 'straight'), [(90.0, 0.0), (0.0, -0.5)])
+@pytest.mark.parametrize('missing', [Loop.lose_line, Loop.lose_port, Loop.stand_still])
+@pytest.mark.parametrize(('gap', 'linear', 'angular'), [(5.0, 0.2, 0.5), (13.0, 0.1, 0.7)])
+def test_a_goal_at_once_after_a_gap_is_as_long_as_was_asked(
+        gap, linear, angular, missing, turn, straight):
+    loop = met()
+    loop.drive(linear, angular, 3.0)
+    missing(loop, gap)
+    loop.turn()
+    while not loop.driver.state.answered:
+        loop.run(0.1)
+    loop.run(0.05)  # it enters its mode
+    way, turned = reach(loop, angle(turn) if turn else distance(straight))
+    assert way == pytest.approx(straight, abs=0.03) and turned == pytest.approx(turn, abs=5.0)
+
+
 @pytest.mark.parametrize(('seconds', 'rate'), [(1.5, 1.0), (2.5, -0.6)])
 def test_a_turn_right_after_wheels_were_held_is_as_long_as_was_asked(seconds, rate):
     loop = met()
