@@ -30,7 +30,7 @@ from .goal import (
     Progress,
     Stall,
 )
-from .legs import Straight
+from .legs import Leg, STRAIGHT
 
 SEARCH_TIME = 240.0
 """Seconds in which the Home Base must be found."""
@@ -111,7 +111,7 @@ class Undock(DrivingGoal):
     def __init__(self, allowance: float) -> None:
         """Take seconds; 0: twice what it should take."""
         super().__init__(allowance, direction=-1)
-        self._leg: Straight
+        self._leg: Leg
         self._by = ''
 
     def hazard(self) -> Over | None:
@@ -153,7 +153,7 @@ class Undock(DrivingGoal):
 
     def _measure(self) -> None:
         """Begin the way here."""
-        self._leg = Straight(self.view, -AWAY, self.view.estimate.yaw, SPEED)
+        self._leg = Leg(self.view, STRAIGHT, -AWAY, SPEED)
         self.progress = self._leg.progress()
 
     def _step(self) -> Order:

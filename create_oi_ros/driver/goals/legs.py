@@ -13,13 +13,12 @@ place where a stop would leave the robot, the last centimetre is slow, and the c
 each stop. Where a stop left it short or too far, the robot creeps on, or back.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from math import copysign, cos, degrees, inf, radians, remainder, sin, sqrt, tau
+from math import copysign, cos, degrees, inf, radians, sin, sqrt
 
 from ...odometry import Estimate
 from ..motion import Velocity
-from .goal import Instruction, Phase, Progress, StoppingModel, View
+from .goal import Instruction, Phase, Progress, View
 
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
@@ -58,34 +57,40 @@ MAX_CORRECTIONS = 3
 """How often the robot creeps on or back at most."""
 
 
-class Leg(ABC):
+STRAIGHT = Velocity(1.0, 0.0)
+"""The unit of a leg that is a straight line."""
+
+
+class Leg:
     """One way, from where the robot is when the leg is made."""
 
-    forward = False
-    """Whether it leads forward."""
-    in_place = False
-    """Whether it is a turn in place."""
-
-    def __init__(self, view: View, way: float, top: float, tolerance: float, limit: float,
-                 learned: StoppingModel) -> None:
+    def __init__(self, view: View, unit: Velocity, way: float, top: float,
+                 off: float = 0.0) -> None:
         """
-        Drive a way, m of the faster wheel, at a top speed, m/s, and stop within a tolerance, m.
+        Drive a way, m of the faster wheel, at a top speed, m/s.
 
-        `limit` is the highest acceleration of that wheel, m/s²; 0: none is set.
+        `unit` is the robot's velocity while that wheel runs at 1 m/s. The robot heads `off`
+        radians to the left of the line that it is to follow.
         """
-        self._view = view
+        limits = view.limits
+        self._view, self._unit = view, unit
         self._whole = self._left = way
+        self.forward = unit.linear * way > 0
+        """Whether it leads forward."""
+        self.in_place = not unit.linear
+        """Whether it is a turn in place."""
         self._pace = 0.0
         """m/s of the faster wheel, now."""
-        self._aside = self._off = 0.0
+        self._aside, self._off = 0.0, off
         """Metres left of the line, and radians left of the line's direction."""
-        self._top = min(top, view.limits.max_wheel_speed)
+        self._top = min(top, limits.max_wheel_speed)
         self.allowed = self._top / top
         """Part of the top speed that `max_wheel_speed` allows."""
-        self._tolerance = tolerance
-        self._learned = learned
-        self._up = min(ACCELERATION, limit or ACCELERATION)
-        self._down = min(BRAKING, limit or BRAKING)
+        self._tolerance = TURN_TOLERANCE / unit.angular if unit.angular else STRAIGHT_TOLERANCE
+        self._learned = view.turning if unit.angular else view.straight
+        most = [limit / abs(part) for limit, part in zip(
+            (limits.linear_acceleration, limits.angular_acceleration), unit) if limit and part]
+        self._up, self._down = min([ACCELERATION, *most]), min([BRAKING, *most])
         self._creep = min(CREEP, self._top)
         self.correcting = False
         """Whether the robot creeps on or back, after a stop."""
@@ -102,7 +107,7 @@ class Leg(ABC):
         speed = next(self._speeds, None)
         if not isinstance(speed, float):
             return speed
-        velocity = self._velocity(speed)
+        velocity = Velocity(speed * self._unit.linear, speed * self._unit.angular)
         if self.correcting:  # too short a way to steer
             return velocity
         return velocity._replace(angular=velocity.angular + steering(
@@ -114,17 +119,25 @@ class Leg(ABC):
         settling = (1 + MAX_CORRECTIONS) * (MAX_SETTLE_TIME + PUSH_DISTANCE / self._creep)
         return abs(self._left) / self._top + ramps + settling
 
-    @abstractmethod
     def progress(self, phase: Phase | None = None) -> Progress:
         """Return what is left, in a phase of the goal."""
+        if self._unit.angular:
+            return Progress(angle=abs(self._left * self._unit.angular), phase=phase)
+        return Progress(distance=abs(self._left), phase=phase)
 
-    @abstractmethod
     def way(self) -> str:
         """Say how far the robot has got."""
+        went, angular = self._whole - self._left, self._unit.angular
+        return f'{abs(degrees(went * angular)):.0f} degrees' if angular else f'{abs(went):.2f} m'
 
-    @abstractmethod
     def done(self) -> str:
         """Say what was done."""
+        went, (linear, angular) = self._whole - self._left, self._unit
+        if not angular:
+            return f'drove {went:.3f} m'
+        circle = f' on a radius of {abs(linear / angular):g} m' if linear else ''
+        turned = went * angular
+        return f'turned by {turned:.3f} rad ({degrees(turned):.1f} degrees){circle}'
 
     def _locate(self, estimate: Estimate) -> None:
         """Note where an estimate is, after that of `_view`, without corrections of before."""
@@ -132,24 +145,18 @@ class Leg(ABC):
         turned = turn - last_turn
         off = self._off + turned / 2
         along, aside = (way - last_way) * cos(off), (way - last_way) * sin(off)
-        self._off += turned - self._bend(along, turned)  # the line itself may turn
+        linear, angular = self._unit
+        if angular:  # the line itself may turn
+            went, self._pace = turned / angular, estimate.angular / angular
+            variance = estimate.trip_variance[1] / angular ** 2
+            turned -= along / (linear / angular - self._aside) if linear else turned
+        else:
+            went, self._pace, variance = along, estimate.linear, estimate.trip_variance[0]
+        self._off += turned
         self._aside += aside
-        went, self._pace, variance = self._of_wheel(estimate, along, turned)
         self._left -= went
         self._least = min(self._least, variance)
         self._deviation = sqrt(max(0.0, variance - self._least))
-
-    @abstractmethod
-    def _bend(self, along: float, turned: float) -> float:
-        """Return by how many rad the line turns where the robot goes m along it and turns rad."""
-
-    @abstractmethod
-    def _of_wheel(self, at: Estimate, along: float, turned: float) -> tuple[float, float, float]:
-        """Return m of the faster wheel for m along the line and rad; its m/s; variance, m²."""
-
-    @abstractmethod
-    def _velocity(self, speed: float) -> Velocity:
-        """Return the velocity for a speed along the leg."""
 
     def _arrive(self) -> Iterator[float | Instruction]:
         """Yield the speed for each frame until the robot has arrived."""
@@ -217,88 +224,16 @@ class Leg(ABC):
         return min(self._creep + CREEP_STEP, MAX_CREEP, self._top)
 
 
-class Straight(Leg):
-    """A straight line, forwards or backwards."""
-
-    def __init__(self, view: View, distance: float, heading: float, top: float) -> None:
-        """Drive a distance, m, along a heading, rad, at m/s at most; negative: backwards."""
-        super().__init__(view, distance, top, STRAIGHT_TOLERANCE,
-                         view.limits.linear_acceleration, view.straight)
-        self.forward = distance > 0
-        self._off = remainder(view.estimate.yaw - heading, tau)
-
-    def progress(self, phase: Phase | None = None) -> Progress:
-        return Progress(distance=abs(self._left), phase=phase)
-
-    def way(self) -> str:
-        return f'{abs(self._whole - self._left):.2f} m'
-
-    def done(self) -> str:
-        return f'drove {self._whole - self._left:.3f} m'
-
-    def _bend(self, along: float, turned: float) -> float:
-        return 0.0
-
-    def _of_wheel(self, at: Estimate, along: float, turned: float) -> tuple[float, float, float]:
-        return along, at.linear, at.trip_variance[0]
-
-    def _velocity(self, speed: float) -> Velocity:
-        return Velocity(speed, 0.0)
-
-
-class Arc(Leg):
+def arc(view: View, angle: float, radius: float, direction: int, top: float) -> Leg:
     """
-    A part of a circle: the heading tells how far it is driven, steering keeps the radius.
+    Return a turn by an angle, rad, on a circle of a radius, m, at this many rad/s at most.
 
-    On a radius of 0 it is a turn in place.
+    The heading tells how far it is driven, steering keeps the radius; on a radius of 0 it is a
+    turn in place. `direction` is 1 for forwards and -1 for backwards.
     """
-
-    def __init__(self, view: View, angle: float, radius: float, direction: int,
-                 top: float) -> None:
-        """
-        Turn by an angle, rad, on a circle of a radius, m, at this many rad/s at most.
-
-        `direction` is 1 for forwards and -1 for backwards.
-        """
-        limits = view.limits
-        self._reach = radius + limits.wheel_separation / 2
-        caps = [limits.angular_acceleration * self._reach]
-        if radius:
-            caps.append(limits.linear_acceleration / radius * self._reach)
-        super().__init__(view, angle * self._reach, top * self._reach,
-                         TURN_TOLERANCE * self._reach, min(filter(None, caps), default=0.0),
-                         view.turning)
-        self.forward, self.in_place = radius > 0 and direction > 0, radius == 0
-        self._radius = radius
-        self._side = direction * copysign(1.0, angle)
-        """1 where the circle's centre is on the robot's left, -1 on its right."""
-
-    @property
-    def _turned(self) -> float:
-        return (self._whole - self._left) / self._reach
-
-    def progress(self, phase: Phase | None = None) -> Progress:
-        return Progress(angle=abs(self._left / self._reach), phase=phase)
-
-    def way(self) -> str:
-        return f'{abs(degrees(self._turned)):.0f} degrees'
-
-    def done(self) -> str:
-        circle = f' on a radius of {self._radius:g} m' if self._radius else ''
-        return f'turned by {self._turned:.3f} rad ({degrees(self._turned):.1f} degrees){circle}'
-
-    def _bend(self, along: float, turned: float) -> float:
-        if not self._radius:
-            return turned
-        return self._side * along / (self._radius - self._side * self._aside)
-
-    def _of_wheel(self, at: Estimate, along: float, turned: float) -> tuple[float, float, float]:
-        return (turned * self._reach, at.angular * self._reach,
-                at.trip_variance[1] * self._reach ** 2)
-
-    def _velocity(self, speed: float) -> Velocity:
-        angular = speed / self._reach
-        return Velocity(angular * self._side * self._radius, angular)
+    reach = radius + view.limits.wheel_separation / 2
+    side = direction * copysign(1.0, angle)  # -1 where the centre is on the robot's right
+    return Leg(view, Velocity(side * radius / reach, 1 / reach), angle * reach, top * reach)
 
 
 def steering(speed: float, aside: float, off: float) -> float:

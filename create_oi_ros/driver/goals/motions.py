@@ -20,7 +20,7 @@ from .goal import (
     Phase,
     ROUNDING,
 )
-from .legs import Arc, Leg, Straight, STRAIGHT_TOLERANCE
+from .legs import arc, Leg, STRAIGHT, STRAIGHT_TOLERANCE
 
 Legs = Iterator[tuple[Phase | None, Leg]]
 MANY_TURNS = 4
@@ -83,7 +83,7 @@ class DriveDistance(MotionGoal):
         self._distance = distance
 
     def legs(self) -> Legs:
-        yield None, Straight(self.view, self._distance, self.view.estimate.yaw, self.speed)
+        yield None, Leg(self.view, STRAIGHT, self._distance, self.speed)
 
 
 class RotateAngle(MotionGoal):
@@ -96,7 +96,7 @@ class RotateAngle(MotionGoal):
         self._angle = angle
 
     def legs(self) -> Legs:
-        yield None, Arc(self.view, self._angle, 0.0, 1, self.turning)
+        yield None, arc(self.view, self._angle, 0.0, 1, self.turning)
 
 
 class DriveArc(MotionGoal):
@@ -121,7 +121,7 @@ class DriveArc(MotionGoal):
         self._angle, self._radius, self._direction = angle, radius, direction
 
     def legs(self) -> Legs:
-        yield None, Arc(self.view, self._angle, self._radius, self._direction,
+        yield None, arc(self.view, self._angle, self._radius, self._direction,
                         self.speed / self._radius)
 
 
@@ -146,13 +146,18 @@ class NavigateToPosition(MotionGoal):
         far, direction = self._to_place()
         if far > STRAIGHT_TOLERANCE:
             yield Phase.TURNING_TO_PLACE, self._turn_to(direction)
-            yield Phase.DRIVING, Straight(self.view, *self._to_place(), self.speed)
+            far, direction = self._to_place()
+            yield Phase.DRIVING, Leg(
+                self.view, STRAIGHT, far, self.speed, self._left_of(direction))
         if self._heading is not None:
             yield Phase.TURNING_TO_HEADING, self._turn_to(self._heading)
 
-    def _turn_to(self, heading: float) -> Arc:
-        turn = remainder(heading - self.view.estimate.yaw, tau)
-        return Arc(self.view, turn, 0.0, 1, self.turning)
+    def _turn_to(self, heading: float) -> Leg:
+        return arc(self.view, -self._left_of(heading), 0.0, 1, self.turning)
+
+    def _left_of(self, heading: float) -> float:
+        """Return by how many rad the robot heads to the left of a heading."""
+        return remainder(self.view.estimate.yaw - heading, tau)
 
     def _to_place(self) -> tuple[float, float]:
         """Return how far the place is, m, and in which direction, rad."""
