@@ -141,8 +141,7 @@ class Driver:
             listening.trust()
         elif listening.check(self.motion.missed_since, now):
             self._send_again()
-        if self.state.answered:
-            listening.poll(now)
+        listening.poll(now)
         self._connection.ask(now, motion_due=self._tracking.odometry.reading_due)
         self.core.outbox.release(now)
 
