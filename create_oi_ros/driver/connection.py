@@ -116,7 +116,7 @@ class Connection:
         self.present_at = min(self.present_at, now)
         self._restart_calls()
         self._ran_at = now
-        self._call(now, StateEvent.OPENED)
+        self._call(now)
 
     def was_away(self, now: float) -> bool:
         """Tell whether a robot that is heard now was not for so long that anything may be true."""
@@ -236,7 +236,7 @@ class Connection:
             before, self._unanswered = self._unanswered, self._no_answer()
             if self._unanswered != before:
                 self._core.notice(Severity.ERROR, self._unanswered)
-        self._call(now, StateEvent.NO_ANSWER)
+        self._call(now)
 
     def _no_answer(self) -> str:
         """Say what may be wrong, after some calls without an answer."""
@@ -264,16 +264,16 @@ class Connection:
         self._core.outbox.clear(HALT)
         self.reader.flush()
         self._restart_calls()
-        self._core.handle(StateEvent.NO_ANSWER)
+        self._core.handle(StateEvent.CALLED)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self.stale_until = now + STALE_BYTES_FOR
         self.frame_at = self.stale_until - self._call_interval
 
-    def _call(self, now: float, event: StateEvent) -> None:
+    def _call(self, now: float) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""
-        core = self._core
+        core, opened = self._core, self._core.state.activity is Activity.CLOSED
         core.outbox.clear()
-        core.handle(event)
+        core.handle(StateEvent.CALLED)
         assert core.state.activity is Activity.CALLING
         self.frame_at = now
         self._calls += 1
@@ -282,8 +282,7 @@ class Connection:
             self.plan.tune(self.baud)
             self.reader.expect(self.plan.lists)
         stop = b''
-        if (event is StateEvent.OPENED or self._searching
-                or self._calls % WAKE_UP_EVERY == WAKE_UP_FIRST):
+        if opened or self._searching or self._calls % WAKE_UP_EVERY == WAKE_UP_FIRST:
             # What has not left would delay a stop, or go out at the next rate.
             seconds = len(WAKE_UP) * oi.BITS_PER_BYTE / self.baud
             stop = WAKE_UP if seconds < CALL_INTERVAL else 2 * HALT.encode()

@@ -44,7 +44,7 @@ TAKEN_OVER = {
     StateEvent.MODE_SET: (Code.SUPERSEDED, 'another mode was set'),
     StateEvent.PASSIVE_SET: (
         Code.MODE, 'PASSIVE was set: call set_mode with SAFE, then send the goal again'),
-    StateEvent.NO_ANSWER: (
+    StateEvent.CALLED: (
         Code.LINK, 'the robot no longer answers: check cable and power, the driver keeps trying'),
     StateEvent.PORT_CLOSED: (
         Code.LINK, 'the port is gone: check the cable, the driver keeps trying'),

@@ -9,12 +9,12 @@ the driver: tests fail, in the field it is logged and changes nothing. What the 
 takes now, and why a request is refused, follow from the activity; `CONSEQUENCES` says what the
 driver does after an event. To add an activity or an event, add a row to each table.
 
-    CLOSED --OPENED--> CALLING --ANSWERED--> IDLE <--VELOCITY/HALTED--> DRIVING
+    CLOSED --CALLED--> CALLING --ANSWERED--> IDLE <--VELOCITY/HALTED--> DRIVING
     CALLING --RETURNED--> HOLDING --HALTED--> IDLE; IDLE, DRIVING, ... --MODE_LEFT--> HOLDING
     IDLE --DEMO_STARTED--> DEMO --DEMO_ENDED--> IDLE
     IDLE --SCRIPT_STARTED--> SCRIPT --SCRIPT_ENDED--> IDLE
     IDLE --GOAL_STARTED--> GOAL --DOCKING_STARTED--> DOCKING; both --GOAL_ENDED--> IDLE
-    every activity --NO_ANSWER--> CALLING, --PORT_CLOSED--> CLOSED
+    every activity --CALLED--> CALLING, --PORT_CLOSED--> CLOSED
 """
 
 from enum import auto, Enum
@@ -37,16 +37,14 @@ class Activity(Enum):
 class StateEvent(Enum):
     """What may change the driver's activity."""
 
-    OPENED = auto()
-    """The port is open."""
     PORT_CLOSED = auto()
     """The port is gone, or the driver shuts down."""
     ANSWERED = auto()
     """The first frame came."""
     RETURNED = auto()
     """The first frame came after an absence: commands must pause before they are followed."""
-    NO_ANSWER = auto()
-    """Frames stopped coming, or the driver's process stood still: call the robot again."""
+    CALLED = auto()
+    """The port is open, frames stopped coming, or the driver's process stood still."""
     VELOCITY = auto()
     """A velocity was commanded that is not zero and that the robot may follow."""
     HALTED = auto()
@@ -76,7 +74,7 @@ class StateEvent(Enum):
 
 _A, _E = Activity, StateEvent
 TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
-    _A.CLOSED: {_E.OPENED: _A.CALLING},
+    _A.CLOSED: {},
     _A.CALLING: {_E.ANSWERED: _A.IDLE, _E.RETURNED: _A.HOLDING},
     _A.IDLE: {
         _E.VELOCITY: _A.DRIVING, _E.GOAL_STARTED: _A.GOAL, _E.MODE_LEFT: _A.HOLDING,
@@ -101,10 +99,9 @@ TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
         _E.DEMO_STARTED: _A.DEMO, _E.GOAL_STARTED: _A.GOAL, _E.SCRIPT_STARTED: _A.SCRIPT},
     _A.SCRIPT: {_E.SCRIPT_ENDED: _A.IDLE},
 }
-for _activity, _row in TRANSITIONS.items():
+for _row in TRANSITIONS.values():
     _row[_E.PORT_CLOSED] = _A.CLOSED
-    if _activity is not _A.CLOSED:
-        _row[_E.NO_ANSWER] = _A.CALLING
+    _row[_E.CALLED] = _A.CALLING
 STAYS = {
     _A.CLOSED: {_E.STOPPED},
     _A.CALLING: {_E.STOPPED},
@@ -145,9 +142,8 @@ STAND, AGAIN, CALL_OFF, FORGET, END, GIVE_BACK, RESTORE, WARN = Then
 ___ = None
 CONSEQUENCES: dict[StateEvent, tuple[Then | None, ...]] = {
     # event              wheels speeds queued    robot   goal mode       warnings
-    _E.OPENED:          (STAND, ___,   CALL_OFF, FORGET, ___, ___,       ___),
     _E.PORT_CLOSED:     (STAND, ___,   CALL_OFF, FORGET, END, GIVE_BACK, ___),
-    _E.NO_ANSWER:       (STAND, ___,   CALL_OFF, FORGET, END, GIVE_BACK, ___),
+    _E.CALLED:          (STAND, ___,   CALL_OFF, FORGET, END, GIVE_BACK, ___),
     _E.ANSWERED:        (___,   AGAIN, ___,      ___,    ___, ___,       WARN),
     _E.RETURNED:        (___,   AGAIN, ___,      ___,    ___, ___,       WARN),
     _E.VELOCITY:        (___,   ___,   ___,      ___,    ___, ___,       ___),

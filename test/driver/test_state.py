@@ -15,7 +15,7 @@ from support.loop import Loop, said
 
 
 @pytest.mark.parametrize(('event', 'leads_to'), [
-    (StateEvent.PORT_CLOSED, Activity.CLOSED), (StateEvent.NO_ANSWER, Activity.CALLING)])
+    (StateEvent.PORT_CLOSED, Activity.CLOSED), (StateEvent.CALLED, Activity.CALLING)])
 def test_a_robot_out_of_reach_ends_everything(event, leads_to):
     for state in map(State, list(Activity)[1:]):
         state.handle(event)
