@@ -309,21 +309,18 @@ class Driver:
             self.core.handle(StateEvent.MODE_LEFT)
 
     def _check_frames(self, now: float) -> None:
-        """Check the frames that were not checked yet."""
+        """React to what new frames say about mode, commands, line and battery."""
         while self._unchecked:
-            self._check_frame(self._unchecked.popleft(), now)
-
-    def _check_frame(self, moved: Moved, now: float) -> None:
-        """React to what a frame says about mode, commands, line and battery."""
-        readings = moved.readings
-        if self.state.pursues:
-            self.goals.see(moved, now)
-        self.modes.observe(readings, now)
-        self.motion.observe(readings, now)
-        self.modes.retry(now)
-        if now >= self._check_at:
-            self._check_at = now + SLOW_CHECK_INTERVAL
-            self._check_slow(readings, now)
+            moved = self._unchecked.popleft()
+            readings = moved.readings
+            if self.state.pursues:
+                self.goals.see(moved, now)
+            self.modes.observe(readings, now)
+            self.motion.observe(readings, now)
+            self.modes.retry(now)
+            if now >= self._check_at:
+                self._check_at = now + SLOW_CHECK_INTERVAL
+                self._check_slow(readings, now)
 
     def _check_slow(self, readings: oi.Readings, now: float) -> None:
         """Check what changes within seconds: battery, dock, what is known of the robot."""
