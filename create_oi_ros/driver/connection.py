@@ -122,11 +122,6 @@ class Connection:
         """Tell whether a robot that is heard now was not for so long that anything may be true."""
         return now - self.present_at > MAX_ABSENCE
 
-    def forget(self) -> None:
-        """Forget what the robot was asked for, and whether it listens: it does not answer."""
-        self.plan.asked = None
-        self._core.listening.trust()
-
     # What arrives.
 
     def take_answer(self, packets: oi.PacketList, now: float) -> bool:
@@ -141,7 +136,6 @@ class Connection:
             self.frame_at, self._ask_again_at = now, now + ASK_INTERVAL
             if not core.state.takes_commands:
                 core.outbox.send_at_once(HALT, now)
-            core.listening.trust()
             self.plan.asked = None
         elif packets in QUESTIONS and core.state.activity is Activity.SCRIPT:
             self.frame_at = now  # the script itself may have asked for this list
@@ -151,10 +145,9 @@ class Connection:
             core.outbox.send(oi.Stream(packets=self.plan.short.ids))
         return answers
 
-    def add_frame(self, packets: oi.PacketList, now: float) -> None:
+    def add_frame(self, now: float) -> None:
         """Note a verified frame."""
         self.frame_at, self._restarts = now, False
-        self._core.listening.seen(packets.ids)
         if self._core.state.takes_commands:
             self._count_frames(now)
         else:
@@ -203,10 +196,10 @@ class Connection:
             return
         # A robot that has not shown the last list may wait; one that was called gets one list.
         motion_due = motion_due and core.listening.unseen_since is None or not core.state.answered
-        stream = self.plan.next_stream(now, motion_due=motion_due)
-        if stream is not None:
-            core.outbox.send(stream)
-            core.listening.asked(tuple(stream.packets), now)
+        packets = self.plan.next_list(now, motion_due=motion_due)
+        if packets is not None:
+            core.outbox.send(oi.Stream(packets=packets.ids))
+            core.listening.asked(packets, now)
 
     def check_silence(self, now: float) -> None:
         """Call the robot when no frame has come for too long."""

@@ -75,6 +75,14 @@ class Listening:
         """Whether a stop that somebody asked for was sent since it is open."""
         self.trust()
 
+    def trust(self) -> None:
+        """Start anew: the robot was away, takes commands, or cannot take them now."""
+        self._streamed: oi.PacketList | None = None
+        """The newest list that frames brought and that is no question."""
+        self.unseen_since: float | None = None
+        """When the robot was asked for another list that no frame has shown yet."""
+        self.doubt = Doubt.NONE
+
     # Questions.
 
     def begin(self, due: float = inf, lists: Iterable[oi.PacketList] = QUESTIONS, *,
@@ -98,12 +106,19 @@ class Listening:
         self._outbox.send(oi.Stream(packets=self._list.ids))
 
     def answered(self, packets: oi.PacketList) -> bool:
-        """Tell whether a frame of this list answers the question, which is closed then."""
+        """
+        Tell whether a frame of this list answers the question, which is closed then.
+
+        Where a list changes that is no question, the robot took a command, too.
+        """
+        answers = self.open and self._asked and packets == self._list
+        if answers:
+            self.open = False
+            self.trust()
         self._newest = packets
-        if not self.open or not self._asked or packets != self._list:
-            return False
-        self.open = False
-        return True
+        if packets not in QUESTIONS and packets != self._streamed:
+            self._streamed, self.unseen_since = packets, None
+        return answers
 
     def poll(self, now: float) -> None:
         """Ask the open question again, when it is time."""
@@ -134,23 +149,10 @@ class Listening:
         """Whether the robot ignores commands, and the user was told."""
         return self.doubt is Doubt.REPORT
 
-    def trust(self) -> None:
-        """Start anew: the robot was away, takes commands, or cannot take them now."""
-        self._streamed: tuple[int, ...] | None = None
-        """The packets of the newest frame that answered no question."""
-        self.unseen_since: float | None = None
-        """When the robot was asked for another list that no frame has shown yet."""
-        self.doubt = Doubt.NONE
-
-    def asked(self, packets: tuple[int, ...], now: float) -> None:
+    def asked(self, packets: oi.PacketList, now: float) -> None:
         """Note that the robot was asked for frames with these packets."""
         if self.unseen_since is None and self._streamed not in (None, packets):
             self.unseen_since = now
-
-    def seen(self, packets: tuple[int, ...]) -> None:
-        """Note the packets of a frame; where they change, the robot took a command."""
-        if packets != self._streamed:
-            self._streamed, self.unseen_since = packets, None
 
     def check(self, missed_since: float | None, now: float) -> bool:
         """

@@ -87,7 +87,8 @@ class Driver:
 
     def _forget(self) -> None:
         """Forget what is known of the robot, and end what waits for it."""
-        self._connection.forget()
+        self.plan.asked = None
+        self.core.listening.trust()
         self._tracking.restart()
         self.modes.forget()
         self.motion.resume()
@@ -269,7 +270,7 @@ class Driver:
                 self._send_again()
             return
         moved = self._tracking.take(frame, connection.baud, now)
-        connection.add_frame(frame.packets, now)
+        connection.add_frame(now)
         if answers and activity is Activity.SCRIPT:
             self._after_script()
         if moved is None:

@@ -46,7 +46,7 @@ by up to 0.2 ms (evidence)."""
 
 
 class StreamPlan:
-    """Decides which Stream command to send next."""
+    """Decides which list to ask for next."""
 
     def __init__(self, baud: int) -> None:
         self.questions = tuple(
@@ -86,23 +86,20 @@ class StreamPlan:
         """All lists whose frames may arrive."""
         return (*self._parts, self.full, self.script, *self.questions, *QUESTIONS)
 
-    def next_stream(self, now: float, *, motion_due: bool) -> oi.Stream | None:
+    def next_list(self, now: float, *, motion_due: bool) -> oi.PacketList | None:
         """
-        Return the command that changes the list, when it is time for one.
+        Return the list to ask for now, when it is time for another one.
 
         The list with motion is replaced after one slot, without waiting for its frame, so that
         normally one frame carries it, however slow the line is.
         """
-        if self.asked is None:
-            return self._ask(self.full, now)
-        if now - self._asked_at < ALMOST * SLOT:
+        if self.asked is not None and now - self._asked_at < ALMOST * SLOT:
             return None
-        if motion_due and self.asked is not self.full:
-            return self._ask(self.full, now)
-        if len(self._parts) > 1 or self.asked is self.full and not motion_due:
-            return self._ask(next(self._rotation), now)
-        return None
-
-    def _ask(self, packets: oi.PacketList, now: float) -> oi.Stream:
-        self.asked, self._asked_at = packets, now
-        return oi.Stream(packets=packets.ids)
+        if self.asked is None or motion_due and self.asked is not self.full:
+            self.asked = self.full
+        elif len(self._parts) > 1 or self.asked is self.full and not motion_due:
+            self.asked = next(self._rotation)
+        else:
+            return None
+        self._asked_at = now
+        return self.asked
