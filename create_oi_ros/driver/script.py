@@ -16,6 +16,7 @@ tells which of them came last. So a script is followed if it uses only one of th
 from collections.abc import Iterable
 
 from .. import oi
+from ..odometry.wheels import Speeds
 from ..oi.commands import wheel_speeds
 from ..oi.script import can_end, commands_of, duration, endless_wait, open_waits, SCRIPT_LIMIT
 from ..oi.tools.text import format_command
@@ -29,8 +30,6 @@ from .stream import DRIVE_REQUEST, requested_speeds, StreamPlan
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""
 
-Speeds = tuple[float, float]
-"""Of the right and the left wheel, m/s."""
 LATE, LATE_FRACTION = 0.1, 0.04
 """Seconds, and part of its time, by which a script may end later than it should."""
 SEPARATION = FIRMWARE_SEPARATION * MM_PER_M

@@ -27,7 +27,7 @@ from .core import Core
 from .events import Moved, Severity
 from .frame_clock import FrameClock
 from .motion import BUMPS
-from .script import ScriptControl, Speeds
+from .script import ScriptControl
 
 BATTERY = {
     'voltage': BATTERY_MILLIVOLTS, 'current': BATTERY_MILLIAMPS,
@@ -105,7 +105,6 @@ def _unlike_the_manual(name: str, value: int) -> str:
 
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
 """A wheel that hangs does not move the robot, whatever it counts."""
-STANDING: Speeds = (0.0, 0.0)
 
 
 class Tracking:
@@ -184,7 +183,7 @@ class Tracking:
             measured = False
         obeys = readings.oi_mode in oi.DriveDirect.modes
         speeds = self._scripts.speeds(readings) if obeys else None
-        right, left = speeds or STANDING
+        right, left = speeds or (0.0, 0.0)
         drops = readings.number('bumps_and_wheel_drops', 0)
         increment = Increment(
             dt=dt, right=right, left=left,
