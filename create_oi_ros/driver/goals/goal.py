@@ -255,11 +255,6 @@ def dropped(readings: oi.Readings) -> bool:
     return any(cause in DROPS for cause in causes_in(readings))
 
 
-def cliffs(readings: oi.Readings) -> list[str]:
-    """Return where a cliff is seen."""
-    return [CLIFFS[cause] for cause in causes_in(readings) if cause in CLIFFS]
-
-
 class Stall:
     """
     Notices wheels that do not turn as the robot says that it was asked to turn them.
@@ -320,11 +315,11 @@ class DrivingGoal(Goal):
             return NO_SPEED
         if dropped(readings):
             return LIFTED
-        cliff, bump = bool(cliffs(readings)), bool(bumps(readings))
+        cliffs = [CLIFFS[cause] for cause in causes_in(readings) if cause in CLIFFS]
+        cliff, bump = bool(cliffs), bool(bumps(readings))
         self.known_cliff, self.known_bump = self.known_cliff and cliff, self.known_bump and bump
         if cliff and (self.forward or not self.known_cliff):
-            return Over(
-                Code.CLIFF, f'there is no floor {", ".join(cliffs(readings))}: {FROM_CLIFF}')
+            return Over(Code.CLIFF, f'there is no floor {", ".join(cliffs)}: {FROM_CLIFF}')
         if bump and (self.forward or not self.known_bump):
             return Over(Code.BUMP, f'the bumper is pressed {SIDES[bumps(readings)]}: drive '
                         'backwards or turn away')

@@ -110,8 +110,16 @@ class Leg:
         velocity = Velocity(speed * self._unit.linear, speed * self._unit.angular)
         if self.correcting:  # too short a way to steer
             return velocity
-        return velocity._replace(angular=velocity.angular + steering(
-            velocity.linear, self._aside, self._off))
+        return velocity._replace(angular=velocity.angular + self._steering(velocity.linear))
+
+    def _steering(self, speed: float) -> float:
+        """Return the rad/s that bring the robot back to its line at a speed along it, m/s."""
+        if speed == 0.0:
+            return 0.0
+        wanted = -copysign(ASIDE_GAIN, speed) * self._aside
+        wanted = max(-MAX_RETURN_ANGLE, min(MAX_RETURN_ANGLE, wanted))
+        most = min(MAX_STEERING, MAX_CURVATURE * abs(speed))
+        return max(-most, min(most, HEADING_GAIN * (wanted - self._off)))
 
     def seconds(self) -> float:
         """Return how long what is left takes at most, about."""
@@ -234,16 +242,3 @@ def arc(view: View, angle: float, radius: float, direction: int, top: float) -> 
     reach = radius + view.limits.wheel_separation / 2
     side = direction * copysign(1.0, angle)  # -1 where the centre is on the robot's right
     return Leg(view, Velocity(side * radius / reach, 1 / reach), angle * reach, top * reach)
-
-
-def steering(speed: float, aside: float, off: float) -> float:
-    """
-    Return the rad/s that bring a robot back to its line while it drives at a speed, m/s.
-
-    It is `aside` metres left of the line, and `off` radians left of the line's direction.
-    """
-    if speed == 0.0:
-        return 0.0
-    wanted = max(-MAX_RETURN_ANGLE, min(MAX_RETURN_ANGLE, -copysign(ASIDE_GAIN, speed) * aside))
-    most = min(MAX_STEERING, MAX_CURVATURE * abs(speed))
-    return max(-most, min(most, HEADING_GAIN * (wanted - off)))
