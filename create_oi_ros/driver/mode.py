@@ -58,24 +58,18 @@ def docked(readings: oi.Readings) -> bool:
     return bool(readings.number('charging_sources', 0) & HOME_BASE)
 
 
-class Attempt:
-    """How the wanted mode is entered: how often and when it was commanded, and who waits."""
-
-    def __init__(self) -> None:
-        self.tries = 0
-        """Commands since the mode was wanted, or entered last; 0: it is not being entered."""
-        self.begun_at = self.tried_at = -inf
-        """When it was commanded first and last, s; infinite where the next poll says when."""
-        self.request = done('no request')
-
-
 class Modes:
     """Keeps the robot in the wanted mode as far as safety allows; starts and ends demos."""
 
     def __init__(self, core: Core, outputs: Outputs) -> None:
         self._core = core
         self._outputs = outputs
-        self._attempt = Attempt()
+        self._tries = 0
+        """Commands since the mode was wanted, or entered last; 0: it is not being entered."""
+        self._begun_at = self._tried_at = -inf
+        """When it was commanded first and last, s; infinite where the next poll says when."""
+        self._request = done('no request')
+        """Who waits for the mode."""
         self._before_goal: ModeStatus | None = None
         """What was before a goal wanted another mode; None where none does."""
         self._causes_before: tuple[Cause, ...] = ()
@@ -87,8 +81,9 @@ class Modes:
     def want(self, mode: oi.Mode, causes: tuple[Cause, ...] = ()) -> None:
         """Want a mode from now on; `causes`: why the robot is not in it."""
         status = self._core.status
-        self._attempt.request.end(False, 'another request came before the robot answered')
-        self._attempt, self._before_goal = Attempt(), None
+        self._request.end(False, 'another request came before the robot answered')
+        self._tries, self._before_goal = 0, None
+        self._begun_at = self._tried_at = -inf
         self._core.set_status(ModeStatus(
             status.actual, mode, status.causes if status.actual is None else causes))
 
@@ -140,15 +135,15 @@ class Modes:
         sent = self.enter(now)
         if self._core.status.actual is mode:
             return sent
-        self._attempt.request = Pending()
-        return self._attempt.request
+        self._request = Pending()
+        return self._request
 
     def enter(self, now: float) -> Pending:
         """Tell the robot to enter the wanted mode, and set the outputs that this resets."""
-        attempt, mode = self._attempt, self._core.status.wanted
-        attempt.tries, attempt.tried_at = attempt.tries + 1, now
-        if attempt.tries == 1:
-            attempt.begun_at = now
+        mode = self._core.status.wanted
+        self._tries, self._tried_at = self._tries + 1, now
+        if self._tries == 1:
+            self._begun_at = now
         self._core.handle(StateEvent.MODE_ENTERED)
         sent = self._core.outbox.send(MODE_COMMANDS[mode](), f'robot is in {mode.name}')
         if mode in oi.ACTUATE:
@@ -158,17 +153,17 @@ class Modes:
     @property
     def entering(self) -> bool:
         """Whether the robot is about to enter the wanted mode, as far as is known."""
-        return self._attempt.tries > 0 and not self._core.status.causes
+        return self._tries > 0 and not self._core.status.causes
 
     def retry(self, now: float) -> None:
         """Enter the wanted mode again where the robot seems to have missed the command."""
         core, status = self._core, self._core.status
         if (core.listening.open or status.actual in (None, status.wanted)
-                or now - self._attempt.tried_at <= RETRY_INTERVAL):
+                or now - self._tried_at <= RETRY_INTERVAL):
             return
         # Full instead of Safe, or Safe instead of Full: no safety stop, but a damaged command.
         damaged = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
-        if damaged or self.entering and self._attempt.tries < MAX_TRIES:
+        if damaged or self.entering and self._tries < MAX_TRIES:
             self.enter(now)
 
     def allow_driving(self, now: float) -> str | None:
@@ -198,31 +193,31 @@ class Modes:
     def forget(self) -> None:
         """Forget the actual mode: no robot answers."""
         self._core.set_status(ModeStatus(None, self._core.status.wanted))
-        self._attempt.tries = 0
+        self._tries = 0
 
     def observe(self, readings: oi.Readings, now: float) -> None:
         """Take a frame's mode in: notice a mode that was left, and one that was requested."""
-        present, attempt = causes_in(readings), self._attempt
+        present = causes_in(readings)
         if present:
             self._cause_seen_at = now
         before, actual = self._core.status, readings.oi_mode
         causes = before.causes
         left = before.actual == before.wanted != actual
         # Without a cause it may only seem so: a frame from before the mode was entered came late.
-        dropped = left and (bool(present) or now - attempt.begun_at > SETTLING_TIME)
+        dropped = left and (bool(present) or now - self._begun_at > SETTLING_TIME)
         dropped |= actual is None and (left or before.can_drive)
         tried_in_vain = (
-            self.entering and now - attempt.tried_at > RETRY_INTERVAL
-            and (bool(present) or attempt.tries >= MAX_TRIES))
+            self.entering and now - self._tried_at > RETRY_INTERVAL
+            and (bool(present) or self._tries >= MAX_TRIES))
         if actual is None:
             causes = (Cause.MODE_UNKNOWN,)
         elif dropped:
             causes = present or self._causes_before or (
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
         elif actual == before.wanted:
-            causes, attempt.tries = (), 0
+            causes, self._tries = (), 0
         elif left:
-            attempt.tries = 1
+            self._tries = 1
         elif before.unknown or tried_in_vain:
             causes = present or (Cause.UNKNOWN,)
         self._causes_before = present
@@ -230,7 +225,7 @@ class Modes:
         if dropped:
             self._mode_left(now)
         if actual is before.wanted:
-            attempt.request.end(True, f'robot is in {actual.name}')
+            self._request.end(True, f'robot is in {actual.name}')
 
     def _mode_left(self, now: float) -> None:
         """Report why the robot left the wanted mode; end a demo that nobody asked for."""
@@ -245,14 +240,13 @@ class Modes:
 
     def poll(self, now: float) -> None:
         """End a request whose mode the robot did not report in time."""
-        attempt = self._attempt
-        attempt.begun_at, attempt.tried_at = min(attempt.begun_at, now), min(attempt.tried_at, now)
-        if attempt.request.outcome is None and now > attempt.begun_at + MODE_TIMEOUT:
+        self._begun_at, self._tried_at = min(self._begun_at, now), min(self._tried_at, now)
+        if self._request.outcome is None and now > self._begun_at + MODE_TIMEOUT:
             self.fail()
 
     def fail(self, why: str = '') -> None:
         """End the request for a mode, if one waits; by default say what the robot does instead."""
-        status, attempt = self._core.status, self._attempt
+        status = self._core.status
         does, needs = f'stays in {status.described}', (
             'in SAFE it needs all wheels down, no cliff under it and no charger plugged in')
         if status.actual is None and not status.unknown:
@@ -260,7 +254,7 @@ class Modes:
             needs = 'check cable and power, the driver keeps trying'
         elif docked(self._core.readings) or status.unknown:
             needs = self.advice()
-        attempt.request.end(
+        self._request.end(
             False, why or f'robot {does} instead of entering {status.wanted.name}: {needs}')
 
     # In words.
