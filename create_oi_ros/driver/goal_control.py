@@ -14,19 +14,8 @@ from ..odometry import Estimate
 from .core import Core
 from .events import Cause, Moved, Severity
 from .goals import Code, Goal
-from .goals.goal import (
-    AGAIN,
-    CLIFFS,
-    DROPS,
-    Enter,
-    FROM_CLIFF,
-    Instruction,
-    Order,
-    Over,
-    StoppingModel,
-    TO_FLOOR,
-    View,
-)
+from .goals.goal import Enter, Instruction, Order, Over, StoppingModel, View
+from .goals.motions import AGAIN, CLIFFS, DROPS, FROM_CLIFF, TO_FLOOR
 from .mode import docked, Modes
 from .motion import Motion, Velocity
 from .outbox import END_DEMO, HALT

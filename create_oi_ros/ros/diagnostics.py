@@ -16,7 +16,7 @@ from sensor_msgs.msg import BatteryState
 
 from .. import __version__, oi
 from ..driver import BatteryLevel, Charging, Health, LinkCounts
-from ..driver.goals.goal import bumps
+from ..driver.goals.motions import bumps
 from ..odometry import Knowledge, Known
 from . import messages
 from .messages import Values

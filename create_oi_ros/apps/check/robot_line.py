@@ -24,7 +24,7 @@ from ...driver import (
     Settings,
     Severity,
 )
-from ...driver.goals.goal import bumps
+from ...driver.goals.motions import bumps
 from ...link.capture import Capture
 from ...link.session import Session
 from ...odometry import Estimate, GyroSettings, Increment, Odometry

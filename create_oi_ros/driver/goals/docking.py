@@ -16,21 +16,9 @@ from ..battery import charges, charging
 from ..events import Cause, Charging
 from ..mode import docked
 from ..motion import Velocity
-from .goal import (
-    Code,
-    DrivingGoal,
-    dropped,
-    Enter,
-    Goal,
-    Instruction,
-    LIFTED,
-    Order,
-    Over,
-    Phase,
-    Progress,
-    Stall,
-)
+from .goal import Code, Enter, Goal, Instruction, Order, Over, Phase, Progress
 from .legs import Leg, STRAIGHT
+from .motions import DrivingGoal, dropped, LIFTED, Stall
 
 SEARCH_TIME = 240.0
 """Seconds in which the Home Base must be found."""

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a goal is: it takes every frame, and returns an order for the driver; and what ends it.
+What a goal is: it takes every frame, and returns an order for the driver.
 
 A goal has no clock and touches nothing. What it does reads from top to bottom in its generator
 `orders`, which runs on with each frame's view. The driver carries out the orders, and ends the
@@ -11,17 +11,15 @@ goal for reasons that are not its own: a stop, another goal, a lost robot.
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from enum import auto, Enum, IntEnum
-from math import inf, isfinite, radians, tau
+from math import inf, isfinite, tau
 from typing import NamedTuple
 
 from ... import oi
 from ...odometry import Estimate
 from ...robot import MILLI
-from ..events import Cause, MotionLimits
-from ..mode import causes_in
-from ..motion import BUMPS, Velocity
+from ..events import MotionLimits
+from ..motion import Velocity
 from ..outbox import Pending
-from ..stream import requested_speeds
 
 MAX_DISTANCE, MAX_ANGLE = 1000.0, 1000 * tau
 """Metres and radians of one goal at most: the odometry is worth little after that."""
@@ -218,109 +216,3 @@ def check_range(name: str, value: float, unit: str, least: float, most: float = 
     if not least - ROUNDING * abs(least) <= value <= most * (1 + ROUNDING):
         allowed = f'{least:g} or more' if most == inf else f'{least:g} to {most:g}'
         raise ValueError(f'{name} = {value:g} {unit}; allowed: {allowed}')
-
-
-# What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow.
-
-DROPS = (Cause.WHEEL_DROP_LEFT, Cause.WHEEL_DROP_RIGHT, Cause.WHEEL_DROP_CASTER)
-CLIFFS = {Cause.CLIFF_LEFT: 'on the left', Cause.CLIFF_FRONT_LEFT: 'at the front left',
-          Cause.CLIFF_FRONT_RIGHT: 'at the front right', Cause.CLIFF_RIGHT: 'on the right'}
-WHEELS = int(oi.Overcurrents.LEFT_WHEEL | oi.Overcurrents.RIGHT_WHEEL)
-OVERLOAD_TIME = 0.5
-"""Seconds for which a wheel must draw too much current to count as held."""
-STALL_DISTANCE, MIN_FOLLOWED = 0.15, 0.3
-"""Metres of a wheel after which it is compared with what was asked, and the least part of that
-which a wheel that is not held travels."""
-STALL_TIME = 2.0
-"""Seconds over which it is compared at least."""
-SIDES = {BUMPS: 'in front', int(oi.BumpsAndWheelDrops.BUMP_LEFT): 'on the left',
-         int(oi.BumpsAndWheelDrops.BUMP_RIGHT): 'on the right'}
-FROM_CLIFF = 'call set_mode with SAFE, then drive backwards'
-"""Advice at a cliff, where the robot leaves Safe by itself."""
-AGAIN = 'wait a second, then send the goal again'
-TO_FLOOR = f'put the robot on the floor, {AGAIN}'
-LIFTED = Over(Code.WHEEL_DROP, f'a wheel hangs in the air: {TO_FLOOR}')
-NO_SPEED = Over(
-    Code.STALL, 'max_wheel_speed is 0, or too little to turn a wheel: set the parameter to '
-    f'{MIN_SPEED} m/s or more')
-
-
-def bumps(readings: oi.Readings) -> int:
-    """Return the bits of the bumper's halves that are pressed."""
-    return int(readings.bumps_and_wheel_drops) & BUMPS
-
-
-def dropped(readings: oi.Readings) -> bool:
-    """Tell whether a wheel hangs in the air."""
-    return any(cause in DROPS for cause in causes_in(readings))
-
-
-class Stall:
-    """
-    Notices wheels that do not turn as the robot says that it was asked to turn them.
-
-    How far they went is what the robot has counted, and what it may have dropped of that at each
-    reading: a wheel that is slow, for whatever reason, is not taken for one that is held.
-    """
-
-    def __init__(self) -> None:
-        self._overloaded = 0.0
-        self._restart()
-
-    def _restart(self) -> None:
-        self._asked = self._went = self._seconds = 0.0
-
-    def check(self, view: View) -> Over | None:
-        """Return what ends the motion."""
-        readings, dt = view.readings, view.dt
-        overloaded = readings.has('overcurrents') and int(readings.overcurrents) & WHEELS
-        self._overloaded = self._overloaded + dt if overloaded else 0.0
-        if self._overloaded > OVERLOAD_TIME:
-            return Over(Code.STALL, 'a wheel draws too much current: is it held or blocked?')
-        self._asked += max(abs(speed or 0) for speed in requested_speeds(readings)) * MILLI * dt
-        self._seconds += dt
-        if not view.measured:
-            return None
-        turned = radians(abs(readings.angle) + 1) * view.limits.wheel_separation / 2
-        self._went += (abs(readings.distance) + 1) * MILLI + turned
-        if self._asked < STALL_DISTANCE or self._seconds < STALL_TIME:
-            return None
-        stalled = self._went < MIN_FOLLOWED * self._asked
-        self._restart()
-        if not stalled:
-            return None
-        return Over(Code.STALL, 'the wheels do not follow: are they held, or is the robot stuck?')
-
-
-class DrivingGoal(Goal):
-    """
-    A goal that drives the wheels: hazards end it, and wheels that do not follow.
-
-    A cliff or a bump that is there when the motion begins does not end it while it leads away:
-    backwards, or for the bumper in place. Once it has gone and come back, it does.
-    """
-
-    def __init__(self, allowance: float, direction: int = 0) -> None:
-        """Take the way that the motion leads first: 1 forward, -1 backward, 0 a turn."""
-        super().__init__(allowance)
-        self.forward = direction > 0
-        """Whether the motion leads forward now."""
-        self.known_cliff, self.known_bump = direction < 0, True
-        """Whether these have been there from the beginning."""
-        self.stall = Stall()
-
-    def hazard(self) -> Over | None:
-        view, readings = self.view, self.view.readings
-        if view.limits.max_wheel_speed < MIN_SPEED:
-            return NO_SPEED
-        if dropped(readings):
-            return LIFTED
-        cliffs = [CLIFFS[cause] for cause in causes_in(readings) if cause in CLIFFS]
-        cliff, bump = bool(cliffs), bool(bumps(readings))
-        self.known_cliff, self.known_bump = self.known_cliff and cliff, self.known_bump and bump
-        if cliff and (self.forward or not self.known_cliff):
-            return Over(Code.CLIFF, f'there is no floor {", ".join(cliffs)}: {FROM_CLIFF}')
-        if bump and (self.forward or not self.known_bump):
-            return Over(Code.BUMP, f'the bumper is pressed {SIDES[bumps(readings)]}: drive '
-                        'backwards or turn away')
-        return self.stall.check(view)
