@@ -18,7 +18,7 @@ from ..mode import docked
 from ..motion import Velocity
 from .goal import Code, Enter, Goal, Instruction, Order, Over, Phase, Progress
 from .legs import Leg, STRAIGHT
-from .motions import DrivingGoal, dropped, LIFTED, Stall
+from .motions import dropped, Legs, LIFTED, MotionGoal, Stall
 
 SEARCH_TIME = 240.0
 """Seconds in which the Home Base must be found."""
@@ -91,15 +91,14 @@ class Dock(Goal):
                     'it plugged in, is the way to it free?')
 
 
-class Undock(DrivingGoal):
+class Undock(MotionGoal):
     """Leave the Home Base backwards: in Safe, or in Full where Safe does not let the robot go."""
 
     needs_driving = False
 
     def __init__(self, allowance: float) -> None:
         """Take seconds; 0: twice what it should take."""
-        super().__init__(allowance, direction=-1)
-        self._leg: Leg
+        super().__init__(allowance, -1, speed=SPEED)
         self._by = ''
 
     def hazard(self) -> Over | None:
@@ -114,7 +113,7 @@ class Undock(DrivingGoal):
     def orders(self) -> Iterator[Order]:
         """Drive back; where Safe holds the robot, leave the dock in Full, and return to Safe."""
         self._measure()
-        self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD_TIME + 2 * MODE_WAIT)
+        self.allowance = self.allowance or 2 * (self.leg.seconds() + HELD_TIME + 2 * MODE_WAIT)
         mode = first = oi.Mode.FULL if self._mode is oi.Mode.FULL else oi.Mode.SAFE
         driven = waited = 0.0
         why = ''
@@ -139,14 +138,17 @@ class Undock(DrivingGoal):
                 yield Over(Code.MODE, f'the robot does not enter {mode.name}: send the goal '
                            'again, or pull it off its dock')
 
+    def legs(self) -> Legs:
+        yield None, Leg(self.view, STRAIGHT, -AWAY, self.speed)
+
     def _measure(self) -> None:
         """Begin the way here."""
-        self._leg = Leg(self.view, STRAIGHT, -AWAY, SPEED)
-        self.progress = self._leg.progress()
+        (_, self.leg), = self.legs()
+        self.progress = self.leg.progress()
 
     def _step(self) -> Order:
-        order = self._leg.step(self.view)
-        self.progress = self._leg.progress()
+        order = self.leg.step(self.view)
+        self.progress = self.leg.progress()
         if order is not None:
             return order
         if self._docked:
@@ -161,6 +163,3 @@ class Undock(DrivingGoal):
     @property
     def _mode(self) -> oi.Mode | None:
         return self.view.readings.oi_mode
-
-    def way(self, seconds: float) -> str:
-        return f'after {self._leg.way()}'

@@ -105,17 +105,28 @@ class Stall:
         return Over(Code.STALL, 'the wheels do not follow: are they held, or is the robot stuck?')
 
 
-class DrivingGoal(Goal):
+class MotionGoal(Goal):
     """
-    A goal that drives the wheels: hazards end it, and wheels that do not follow.
+    A motion of one or more legs, each made when the one before has ended, until a hazard ends it.
 
     A cliff or a bump that is there when the motion begins does not end it while it leads away:
     backwards, or for the bumper in place. Once it has gone and come back, it does.
     """
 
-    def __init__(self, allowance: float, direction: int = 0) -> None:
-        """Take the way that the motion leads first: 1 forward, -1 backward, 0 a turn."""
+    leg: Leg
+    """The leg that was begun last."""
+
+    def __init__(self, allowance: float, direction: int = 0, *, speed: float = MIN_SPEED,
+                 turning: float = MIN_TURN_RATE) -> None:
+        """
+        Take the way that the motion leads first: 1 forward, -1 backward, 0 a turn.
+
+        A goal that only drives, or only turns, needs one of the highest m/s and rad/s.
+        """
         super().__init__(allowance)
+        check_range('max_translation_speed', speed, 'm/s', MIN_SPEED)
+        check_range('max_rotation_speed', turning, 'rad/s', MIN_TURN_RATE)
+        self.speed, self.turning = speed, turning
         self.forward = direction > 0
         """Whether the motion leads forward now."""
         self.known_cliff, self.known_bump = direction < 0, True
@@ -137,21 +148,6 @@ class DrivingGoal(Goal):
             return Over(Code.BUMP, f'the bumper is pressed {SIDES[bumps(readings)]}: drive '
                         'backwards or turn away')
         return self.stall.check(view)
-
-
-class MotionGoal(DrivingGoal):
-    """A motion of one or more legs; each is made when the one before has ended."""
-
-    leg: Leg
-    """The leg that was begun last."""
-
-    def __init__(self, allowance: float, direction: int = 0, *, speed: float = MIN_SPEED,
-                 turning: float = MIN_TURN_RATE) -> None:
-        """Take the highest m/s and rad/s; a goal that only drives, or turns, needs one of them."""
-        super().__init__(allowance, direction)
-        check_range('max_translation_speed', speed, 'm/s', MIN_SPEED)
-        check_range('max_rotation_speed', turning, 'rad/s', MIN_TURN_RATE)
-        self.speed, self.turning = speed, turning
 
     def orders(self) -> Iterator[Order]:
         """Work out how long the motion may take, and follow one leg after the other."""
