@@ -80,7 +80,7 @@ class Connection:
         self._ask_again_at = 0.0
         """From when on a frame that answers no question shows a robot that missed a request."""
         self._ran_at = inf
-        """When the driver was called last; in no past before the port is open."""
+        """When the driver was called last; before that, in no past."""
         self.stale_until = -inf
         """Until when bytes that arrive are too old to be used."""
         self._restarts = False
@@ -115,7 +115,6 @@ class Connection:
         """Start to call: the port has been opened."""
         self.present_at = min(self.present_at, now)
         self._restart_calls()
-        self._ran_at = now
         self._call(now)
 
     def was_away(self, now: float) -> bool:
