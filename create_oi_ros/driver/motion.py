@@ -28,8 +28,6 @@ IN_PLACE = 1e-6
 """mm/s of the mean below which the robot turns in place."""
 STOPPED = WheelSpeeds(0.0, 0.0)
 BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
-ENDED_BY_PAUSE = (Activity.HOLDING, Activity.DRIVING)
-"""Activities that end when no command comes for the timeout."""
 AWAY = 'the robot was away, or in another mode, while commands went on'
 MIN_SENSIBLE_SPEED = 1e-300
 """Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0: the bits of a
@@ -176,7 +174,7 @@ class Motion:
     def poll(self, now: float) -> None:
         """Stop the wheels when the newest command is too old; send speeds that have changed."""
         if (now > self._commanded_at + self._core.limits.timeout
-                and self._core.state.activity in ENDED_BY_PAUSE):
+                and self._core.state.activity in (Activity.HOLDING, Activity.DRIVING)):
             self._core.handle(StateEvent.HALTED)
         self._send_speeds(now)
 
