@@ -42,7 +42,7 @@ from create_oi_ros.driver.contacts import OUTSIDE
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import BODY_RADIUS
-from create_oi_ros.ros.actions import ALL_ACTIONS
+from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import Ready
@@ -231,7 +231,7 @@ def test_commands_of_a_wrong_clock_are_named_and_old_ones_are_dropped(stage):
 @pytest.mark.parametrize(('ours', 'core'), [
     (Mode, oi.Mode), (SetMode.Request, [m for m in oi.Mode if m]), (Charging, oi.ChargingState),
     (IrOmni, oi.Infrared), (StartDemo.Request, [d for d in oi.DemoNumber if d >= 0]),
-    *((each.type.Result, Code) for each in ALL_ACTIONS if each.name != 'audio_note_sequence'),
+    *((each.type.Result, Code) for each in ACTIONS if each.name != 'audio_note_sequence'),
 ], ids=lambda each: getattr(each, '__name__', ''))
 def test_constants_of_messages_are_those_of_the_core(ours, core):
     constants = {name: getattr(ours, name) for name in dir(ours)
