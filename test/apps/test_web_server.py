@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What `create_web` does with bad HTTP, and with files of tokens and certificates."""
+"""What `create_web` does with bad HTTP, files of tokens and certificates, and arguments."""
 
 from contextlib import closing
 import http.client
@@ -11,7 +11,7 @@ import subprocess
 
 import pytest
 
-from create_oi_ros.apps.web.create_web import encryption, kept_token
+from create_oi_ros.apps.web.create_web import encryption, kept_token, listen, main
 from create_oi_ros.ros.programs import UserError
 from support.ros import TIMEOUT
 from support.web import free_port, get, port_of, refusal, served
@@ -131,3 +131,32 @@ def test_a_certificate_that_is_none_is_refused(tmp_path):
     with pytest.raises(UserError, match='No such file'):
         encryption(tmp_path / 'nothing', tmp_path / 'cert')
     assert encryption(None, None) is None
+
+
+# The command line.
+
+
+@pytest.mark.parametrize(('arguments', 'words'), [
+    (['--port', '0'], "'0'; allowed: 1 to 65535"), (['--port', 'http'], 'allowed: 1 to 65535'),
+    (['--host', ''], '--host is empty'), (['--nonsense'], 'unrecognized arguments')])
+def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_port_or_address_that_cannot_be_served_is_said():
+    with socket.create_server(('127.0.0.1', 0)) as taken:
+        port = taken.getsockname()[1]
+        for arguments, words in (
+                (('--port', str(port)), f'port {port} is in use on 127.0.0.1'),
+                (('--host', '192.0.2.1'), 'cannot listen on 192.0.2.1'),
+                (('--host', 'no such host'), '--host no such host:')):
+            with pytest.raises(UserError, match=words):
+                main(arguments)
+
+
+def test_without_a_port_the_next_free_one_is_taken():
+    with listen('127.0.0.1', None) as first, listen('127.0.0.1', None) as second:
+        assert first.getsockname()[1] < second.getsockname()[1]
