@@ -22,7 +22,7 @@ from create_oi_ros.apps.record import main
 from create_oi_ros.apps.report.recording import read
 from create_oi_ros.ros.bags import Recorder
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED, PUBLISHED
-from support.pages import blocks, ROOT
+from support.source import blocks, ROOT
 
 CTRL_C = '\x03'
 

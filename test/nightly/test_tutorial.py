@@ -24,8 +24,8 @@ from typing import Any
 import pytest
 
 from create_oi_ros.apps.report.recording import read
-from support.pages import Block, blocks, ROOT
 from support.ros import Program, Scene
+from support.source import Block, blocks, ROOT
 
 PAGE = ROOT / 'docs' / 'tutorial.md'
 BLOCKS = blocks(PAGE)

@@ -9,8 +9,8 @@ Only the port is another one, of a simulated robot. `ros2 launch` is in test/ros
 from create_oi_msgs.srv import DefineSong
 import pytest
 
-from support.pages import ROOT, ros2_commands
 from support.ros2 import Ros2
+from support.source import ROOT, ros2_commands
 
 PACKAGE = 'create_oi_ros'
 LEFT_OUT = {

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The files for other packages describe this robot correctly.
+Files beside the code, and those for other packages, describe this robot correctly.
 
 Frames, speeds and sizes are compared with the driver's parameters and the model; topics and fields
 with what the driver publishes. The other packages need not be installed.
@@ -17,6 +17,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 from typing import Any
 from xml.etree import ElementTree
 
@@ -27,19 +28,23 @@ from rclpy.context import Context
 import yaml
 
 from create_oi_ros.driver.contacts import LEFT_BEHIND, OUTSIDE
+from create_oi_ros.odometry import Geometry
 from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import diagnostics
-from create_oi_ros.ros.messages import HEIGHT
+from create_oi_ros.ros.messages import HEIGHT, WHEEL_JOINTS
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.topics import CONTACTS, PUBLISHED
-from support.pages import OURS, ROOT, ros2_commands
+from create_oi_ros.ros.topics import ALL_TOPICS, CONTACTS, PUBLISHED
+from document import config
+from support.source import ROOT, ros2_commands
 
 FILES = ROOT / 'config' / 'with'
-PAGES = ROOT / 'docs' / 'with'
-MODEL = ElementTree.parse(ROOT / 'urdf' / 'create.urdf').getroot()
+URDF = ROOT / 'urdf' / 'create.urdf'
+MODEL = ElementTree.parse(URDF).getroot()
 PADDING = 0.01
 """Metres in x and y that Nav2 adds to a footprint, unless it is told otherwise."""
 COSTMAPS = ('local_costmap', 'global_costmap')
+OURS = {f'/{topic.name.lstrip("/")}' for topic in ALL_TOPICS} | {'/cmd_vel'}
+"""Full names of all topics of a driver without a namespace."""
 FOREIGN = {'/scan', '/imu/data', '/cmd_vel_smoothed', '/joy', '/diagnostics_toplevel_state',
            '/robot_description'}
 """Other nodes' topics that files and pages may name: lidar, IMU, Nav2, joy, aggregator, model."""
@@ -216,3 +221,74 @@ def test_the_service_starts_an_existing_launch_file():
         checked = subprocess.run(['systemd-analyze', 'verify', FILES / 'create.service'],
                                  text=True, capture_output=True, timeout=60)
         assert checked.returncode == 0 and 'create.service' not in checked.stderr
+
+
+# The model and the parameter file.
+
+
+LINKS = {link.get('name') for link in MODEL.iter('link')}
+JOINTS = {joint.get('name'): joint for joint in MODEL.iter('joint')}
+
+
+def ends(joint: ElementTree.Element) -> tuple[str, str]:
+    """Return the parent and the child of a joint."""
+    return joint.find('parent').get('link'), joint.find('child').get('link')
+
+
+def canonical(text: str) -> str:
+    return ElementTree.canonicalize(text, strip_text=True)
+
+
+def numbers(element: ElementTree.Element, name: str) -> list[float]:
+    """Return the numbers of an attribute."""
+    return [float(number) for number in element.get(name, '').split()]
+
+
+def test_the_model_is_a_tree_that_begins_on_the_floor():
+    children = [ends(joint)[1] for joint in JOINTS.values()]
+    assert len(children) == len(set(children))
+    assert LINKS - set(children) == {Parameters.base_frame}
+    assert {parent for joint in JOINTS.values() for parent in ends(joint)} <= LINKS
+
+
+def test_the_wheels_are_those_of_the_joint_states_and_of_the_odometry():
+    left, right = (JOINTS[name] for name in WHEEL_JOINTS)
+    for joint in (left, right):
+        assert joint.get('type') == 'continuous'
+        assert numbers(joint.find('axis'), 'xyz') == [0, 1, 0]
+    apart = numbers(left.find('origin'), 'xyz')[1] - numbers(right.find('origin'), 'xyz')[1]
+    assert apart == pytest.approx(Geometry().wheel_separation)
+    for wheel in ('left_wheel_link', 'right_wheel_link'):
+        link = next(link for link in MODEL.iter('link') if link.get('name') == wheel)
+        radii = {float(cylinder.get('radius')) for cylinder in link.iter('cylinder')}
+        assert radii == {Geometry().wheel_radius}
+
+
+def of_xacro(*arguments: str) -> str:
+    """Return the model that xacro makes."""
+    return subprocess.run(
+        [sys.executable, '-c', 'import xacro; xacro.main()', f'{URDF}.xacro', *arguments],
+        text=True, capture_output=True, check=True).stdout
+
+
+def test_the_model_is_made_from_the_xacro():
+    assert canonical(of_xacro()) == canonical(URDF.read_text()), 'run `make docs`'
+
+
+def test_the_xacro_takes_a_prefix_and_a_parent():
+    model = ElementTree.fromstring(of_xacro('prefix:=left_', 'parent:=stage'))
+    assert {link.get('name') for link in model.iter('link')} == {f'left_{link}' for link in LINKS}
+    joints = {joint.get('name'): ends(joint) for joint in model.iter('joint')}
+    assert joints['left_parent_joint'] == ('stage', 'left_base_footprint')
+    assert set(joints) == {'left_parent_joint', *(f'left_{joint}' for joint in JOINTS)}
+
+
+def test_the_parameter_file_is_made_from_the_code():
+    text = (ROOT / 'config' / 'create.yaml').read_text()
+    assert text == config(), 'run `make docs`'
+    values = yaml.safe_load(text)['/**']['ros__parameters']
+    defaults = {name: list(field.default) if isinstance(field.default, tuple) else field.default
+                for name, field in Parameters.__dataclass_fields__.items()}
+    assert values == defaults
+    assert {name: type(value) for name, value in values.items()} == {
+        name: type(value) for name, value in defaults.items()}

@@ -16,8 +16,8 @@ from sensor_msgs.msg import LaserScan
 import yaml
 
 from create_oi_ros.ros.topics import LATCHED
-from support.pages import blocks, ROOT, ros2_commands
 from support.ros2 import Launch, Ros2
+from support.source import blocks, ROOT, ros2_commands
 from tf2_msgs.msg import TFMessage
 
 CREATE, SIMULATION, FLEET = (
