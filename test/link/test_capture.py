@@ -27,8 +27,7 @@ from create_oi_ros.oi.tools.capture_format import (
 )
 from create_oi_ros.oi.tools.command_line import main
 from create_oi_ros.oi.tools.transcript import BYTES_SHOWN, explain_capture, GARBAGE_SHOWN
-from support import captures
-from support.captures import said
+from support.captures import read, said
 from support.ros import TIMEOUT
 
 LINE = st.text(st.characters(exclude_characters='\n', exclude_categories=['Cs']))
@@ -51,11 +50,6 @@ def timed(parts: Iterable[tuple[int, RecordKind, bytes]]) -> list[Record]:
         now += pause
         records.append(Record(now, kind, data))
     return records
-
-
-def read(data: bytes, size: int = 1 << 20) -> tuple[dict[str, str] | None, list[Record], str]:
-    """Return facts, records and what was wrong with the file, read in pieces."""
-    return captures.read_pieces(data[at:at + size] for at in range(0, len(data), size))
 
 
 @given(FACTS, RECORDS, st.integers(1, 50))
@@ -257,7 +251,7 @@ def test_what_is_added_is_in_the_file_up_to_its_end(tmp_path: Path) -> None:
     ours.add(RecordKind.LOST, '\udcff' * RECORD_LIMIT)
     ours.close()
     ours.add(RecordKind.NOTE, 'too late')
-    records, wrong = captures.read(ours.path)
+    _, records, wrong = read(ours.path.read_bytes())
     assert not wrong
     assert [(record.kind, record.data) for record in records] == [
         (RecordKind.OPENED, b'/dev/x at 57600 baud'), (RecordKind.TO_ROBOT, b'\x80'),
@@ -313,7 +307,7 @@ def test_while_a_disk_hangs_records_are_dropped_counted_and_said(
     goes_on.set()
     assert writing is not None
     writing.join(TIMEOUT)
-    records, wrong = captures.read(ours.path)
+    _, records, wrong = read(ours.path.read_bytes())
     dropped = 100 - len(said(records)[len(b'first'):]) // 100
     assert not wrong and dropped > 75
     assert records[-2].text == f'{dropped} records were dropped: the disk took no bytes'

@@ -13,12 +13,34 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY, EncoderSign
+from create_oi_ros.sim.body import Body as AnyBody
+from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY, EncoderSign, IDEAL
 from create_oi_ros.sim.body.gyro import Gyro
 from create_oi_ros.sim.body.mechanics import Accumulator
 from create_oi_ros.sim.body.sensed import checked, RANGES, Sensed
 from create_oi_ros.sim.world import parse, Pose, shipped, World
-from support.bodies import B, Body, body_at_speed, FRAME, ideal, run, WALL_AHEAD
+
+B = IDEAL.wheel_separation
+FRAME = 0.015
+
+
+def Body(world, *, config=IDEAL, **kwargs):
+    """Return a body whose wheels ramp without delay, so that sums are easy."""
+    return AnyBody(world, config=config, **kwargs)
+
+
+def run(body, seconds):
+    for _ in range(round(seconds / FRAME)):
+        body.step(FRAME)
+
+
+def body_at_speed(right, left, **kwargs):
+    """Return a body that drives at these speeds and whose accumulators are empty."""
+    body = Body(World(), **kwargs)
+    body.drive(right=right, left=left)
+    body.step(1.2)
+    body.take_distance(), body.take_angle()
+    return body
 
 
 @pytest.mark.parametrize(('right', 'left'), [
@@ -220,7 +242,7 @@ def test_pushed_by_hand_either_way_the_distance_counts_up():
     (EncoderSign.UNTIL_REST, -0.3, 0, -45), (EncoderSign.COMMAND, -0.3, 0, 45)])
 def test_what_a_wheel_counts_while_it_rolls_out_against_its_command(
         sign, before, asked, counted):
-    body = body_at_speed(before, before, config=ideal(encoder_sign=sign))
+    body = body_at_speed(before, before, config=replace(IDEAL, encoder_sign=sign))
     x = body.truth().pose.x
     body.drive(right=asked, left=asked)
     body.step(0.3)
@@ -232,7 +254,7 @@ def test_what_a_wheel_counts_while_it_rolls_out_against_its_command(
 # Obstacles.
 
 def test_a_wall_stops_the_robot_and_the_wheels_slip():
-    body = Body(WALL_AHEAD)
+    body = Body(parse('wall 1 -5 1 5', 'wall'))
     body.drive(right=0.4, left=0.4)
     body.step(4)
     truth = body.truth()

@@ -141,7 +141,7 @@ def test_a_captured_run_is_played_to_another_node(stage: Scene) -> None:
     drive(stage, odom)
     node.send(signal.SIGINT)
     assert node.ended() == 0
-    records, wrong = read(first)
+    _, records, wrong = read(first.read_bytes())
     assert not wrong and f'written to {first}' in node.output
     assert {record.kind for record in records} >= {
         RecordKind.OPENED, RecordKind.FROM_ROBOT, RecordKind.TO_ROBOT, RecordKind.NOTE,
@@ -153,7 +153,7 @@ def test_a_captured_run_is_played_to_another_node(stage: Scene) -> None:
     stage.ros.until(lambda: not sim.running())
     node.send(signal.SIGINT)
     assert node.ended() == 0
-    assert said(read(second)[0]) == said(records)
+    assert said(read(second.read_bytes())[1]) == said(records)
     ends = [run[-1].pose.pose for run in (then, odom)]
     assert ends[1].position.x == pytest.approx(ends[0].position.x, abs=NEAR)
     assert ends[1].position.y == pytest.approx(ends[0].position.y, abs=NEAR)
@@ -169,7 +169,7 @@ def test_a_killed_node_leaves_a_capture(stage: Scene) -> None:
     stage.ros.until(lambda: len(odom) > 200)
     node.send(signal.SIGKILL)
     node.ended()
-    records, wrong = read(path)
+    _, records, wrong = read(path.read_bytes())
     assert wrong.startswith('cut short')
     assert records[-1].time / SECOND > 200 * 0.015 - LOSS
 

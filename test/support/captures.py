@@ -2,9 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a capture holds."""
 
-from collections.abc import Iterable
-from pathlib import Path
-
 from create_oi_ros.oi.tools.capture_format import (
     CaptureError,
     CaptureReader,
@@ -14,17 +11,12 @@ from create_oi_ros.oi.tools.capture_format import (
 )
 
 
-def read(path: Path) -> tuple[list[Record], str]:
-    """Return the records of a file, and the error if there is one."""
-    _, records, wrong = read_pieces([path.read_bytes()])
-    return records, wrong
-
-
-def read_pieces(pieces: Iterable[bytes]) -> tuple[dict[str, str] | None, list[Record], str]:
-    """Return the facts and records in pieces of a file, and the error if there is one."""
+def read(data: bytes, size: int = 1 << 20) -> tuple[dict[str, str] | None, list[Record], str]:
+    """Return facts, records and what was wrong with the file, read in pieces."""
     reader, records = CaptureReader(), []
     try:
-        for record in records_of(pieces, reader):
+        for record in records_of(
+                (data[at:at + size] for at in range(0, len(data), size)), reader):
             records.append(record)
     except CaptureError as error:
         return reader.facts, records, str(error)
