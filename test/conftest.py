@@ -8,13 +8,16 @@ import os
 from pathlib import Path
 import sys
 
-from hypothesis import settings
+from hypothesis import Phase, settings
 import pytest
 
 from create_oi_ros.driver.core import Core
 from create_oi_ros.driver.state import StateEvent
 
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
+settings.register_profile(  # for mutants: nobody reads how they fail, so nothing is shrunk
+    'unshrunk', settings.get_profile('repeatable'),
+    phases=(Phase.explicit, Phase.generate), report_multiple_bugs=False)
 settings.load_profile('repeatable')
 
 # Tests kill programs at any moment. What those leave in shared memory would stay, half a megabyte

@@ -52,7 +52,7 @@ exclude-operators = {excluded}
 """
 ROOMS = 'oi', 'driver', 'driver/goals', 'odometry'
 PYTEST = ('-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider', '-p', 'pytest_timeout',
-          '-p', 'pytest_cov.plugin', '-p', 'nightly.unshrunk')
+          '-p', 'pytest_cov.plugin', '-p', 'hypothesispytest', '--hypothesis-profile=unshrunk')
 
 
 class Laboratory:
