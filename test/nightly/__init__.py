@@ -3,6 +3,5 @@
 """
 Long tests with real processes; `make nightly` runs them, `make test` makes some faults once.
 
-`stage` starts a node and a simulated robot and checks all that the node publishes; `faults` has
-the faults.
+`stage` starts a node and a simulated robot and checks all that the node publishes.
 """
