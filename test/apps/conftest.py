@@ -7,9 +7,8 @@ import shutil
 import pytest
 
 from create_oi_ros.ros.parameters import Parameters
-from support.browser import OpenPage
 from support.ros import Ready
-from support.web import LONG, PageClient, ready, served
+from support.web import LONG, OpenPage, PageClient, ready, served
 
 CHROMIUM = ('chromium', 'chromium-browser', 'google-chrome')
 """Its names."""

@@ -13,7 +13,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 from create_oi_ros.apps.report.create_report import main, write
 from create_oi_ros.apps.report.recording import Recording
 from support import bags
-from support.browser import OpenPage
+from support.web import OpenPage
 
 SIZES = {'phone': (360, 740), 'tablet': (768, 1024), 'desktop': (1440, 900)}
 
