@@ -113,19 +113,11 @@ def test_a_parameter_file_that_cannot_be_read(content, tmp_path):
     assert 'bad.yaml cannot be read (' in sentence
 
 
-@pytest.mark.parametrize(('program', 'arguments', 'words'), [
-    ('create_record', ['-o', '/proc/demo'], '/proc/demo: it does not exist'),
-    ('create_record', ['-o', f'{__file__}/demo'], 'a part of this path is a file'),
-])
-def test_files_that_cannot_be_written(program, arguments, words, tmp_path):
-    done = run(program, *arguments, cwd=tmp_path)
-    assert words in one_sentence(done, program)
-    assert done.stdout == ''
-
-
 @pytest.mark.parametrize(('error', 'sentence'), [
     (PermissionError(errno.EACCES, os.strerror(errno.EACCES), '/root/demo'),
      '/root/demo: you may not write or read here: give a place of your own'),
+    (NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), 'file/demo'),
+     'file/demo: a part of this path is a file: give a folder'),
     (OSError(errno.ENOSPC, 'No space left on device'),
      'No space left on device: nothing more can be written'),
     (type('RCLError', (RuntimeError,), {})(
