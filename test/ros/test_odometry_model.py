@@ -108,20 +108,15 @@ def test_a_file_of_an_older_odometry_is_kept_aside_and_a_new_one_written_and_rea
                    if status.name == 'create: odometry' and status.values])
 
 
-def test_a_home_of_nobody_is_no_folder(stage, tmp_path):
-    node = stage.node(tmp_path / 'port', odometry_model='~nobody-here/model.yaml')
-    assert node.ended() == 2
-    assert 'parameter odometry_model: ~nobody-here is no folder' in node.output
-    assert 'Traceback' not in node.output
-
-
-def test_a_broken_file_keeps_the_node_from_starting(stage, tmp_path):
+def test_a_broken_file_or_a_home_of_nobody_keeps_the_node_from_starting(stage, tmp_path):
     file = tmp_path / 'model.yaml'
     file.write_text('format: 9\n')
-    node = stage.node(tmp_path / 'port', odometry_model=file)
-    assert node.ended() == 2
-    assert f'create_node: parameter odometry_model: {file}: format 9' in node.output
-    assert 'Traceback' not in node.output
+    for model, words in ((file, f'{file}: format 9'),
+                         ('~nobody-here/model.yaml', '~nobody-here is no folder')):
+        node = stage.node(tmp_path / 'port', odometry_model=model)
+        assert node.ended() == 2
+        assert f'create_node: parameter odometry_model: {words}' in node.output
+        assert 'Traceback' not in node.output
 
 
 def test_a_file_is_replaced_by_its_link_too_and_keeps_its_permissions(tmp_path: Path) -> None:

@@ -11,16 +11,13 @@ import yaml
 
 from create_oi_ros import oi
 from create_oi_ros.sim.world import parse, Pose, shipped
+from support.ros import Ready
 
 
 @pytest.fixture(scope='module')
 def shared(shared_stage):
-    """Return a scene with a robot before a wall, and its driver."""
-    shared_stage.hero = shared_stage.robot(
-        world=parse('start 0 0 0\nwall 0.4 -1 0.4 1', 'wall'))
-    node = shared_stage.node(shared_stage.hero.link)
-    shared_stage.ros.until(lambda: 'robot answers' in node.output, 'the robot answers')
-    return shared_stage
+    """Return a robot before a wall, and its driver."""
+    return Ready(shared_stage, parse('start 0 0 0\nwall 0.4 -1 0.4 1', 'wall'))
 
 
 def printed(stage, text, *arguments):
@@ -42,15 +39,15 @@ def result(stage, *arguments):
 
 
 def test_what_ros2_does_is_done_by_the_example(shared):
-    listed = result(shared, 'ros.py', 'list')
+    listed = result(shared.stage, 'ros.py', 'list')
     assert '/odom ' in listed and 'create_oi_msgs/srv/SetMode' in listed
-    echoed = printed(shared, '---', 'ros.py', 'echo', '/mode')
+    echoed = printed(shared.stage, '---', 'ros.py', 'echo', '/mode')
     assert yaml.safe_load(echoed.partition('---')[0])['mode'] == Mode.SAFE
-    full = yaml.safe_load(result(shared, 'ros.py', 'call', '/set_mode', '{mode: 3}'))
-    assert full['success'] is True and shared.hero.create.mode is oi.Mode.FULL
-    assert 'success: true' in result(shared, 'ros.py', 'call', '/set_mode', '{mode: 2}')
+    full = yaml.safe_load(result(shared.stage, 'ros.py', 'call', '/set_mode', '{mode: 3}'))
+    assert full['success'] is True and shared.robot.create.mode is oi.Mode.FULL
+    assert 'success: true' in result(shared.stage, 'ros.py', 'call', '/set_mode', '{mode: 2}')
     assert 'successful: true' in result(
-        shared, 'ros.py', 'set', '/create', 'cmd_vel_timeout', '0.4')
+        shared.stage, 'ros.py', 'set', '/create', 'cmd_vel_timeout', '0.4')
 
 
 MISTYPED = (
@@ -64,27 +61,27 @@ MISTYPED = (
 
 
 def test_what_is_mistyped_is_said_in_a_line(shared):
-    started = [(shared.example('ros.py', *arguments), why) for arguments, why in MISTYPED]
+    started = [(shared.stage.example('ros.py', *arguments), why) for arguments, why in MISTYPED]
     for program, why in started:
         assert program.ended() == 2
         assert why in program.output and 'Traceback' not in program.output
 
 
 def test_a_node_of_ones_own_turns_away_from_a_wall(shared):
-    printed(shared, 'turned by 1.7', 'own_node.py')
+    printed(shared.stage, 'turned by 1.7', 'own_node.py')
 
 
 def test_leds_blink(shared):
-    program = shared.example('leds.py')
+    program = shared.stage.example('leds.py')
     for led in (oi.LedBits.PLAY, oi.LedBits.ADVANCE, oi.LedBits.PLAY):
-        shared.ros.until(lambda led=led: shared.hero.create.lights[0] == led, led.name)
+        shared.ros.until(lambda led=led: shared.robot.create.lights[0] == led, led.name)
     program.send(signal.SIGINT)
     assert program.ended() == 0, program.output
 
 
 @pytest.mark.nightly
 def test_a_long_tune_is_played(shared):
-    assert 'the tune was played' in result(shared, 'tune.py')
+    assert 'the tune was played' in result(shared.stage, 'tune.py')
 
 
 @pytest.mark.nightly
