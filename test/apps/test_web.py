@@ -313,12 +313,6 @@ def test_a_simulated_robot_shows_its_room_and_where_it_really_is(stage, pages, t
 LONG_WAY = {'distance': 20.0, 'max_translation_speed': 0.3}
 
 
-@pytest.fixture
-def opened(shared, pages):
-    """Return a function that opens a page of the robot, which is in SAFE."""
-    return lambda through=shared.address: ready(pages(through))
-
-
 def goal_of(page) -> dict[str, object]:
     """Return what a page knows of the newest goal."""
     return dict(page.known.get('goal') or {})
@@ -339,8 +333,8 @@ def sets_out(page, robot, name, **fields):
     assert not page.replies, 'it is under way'
 
 
-def test_goals_are_sent_watched_and_reached(shared, opened):
-    page, witness = opened(), opened()
+def test_goals_are_sent_watched_and_reached(shared, pages):
+    page, witness = (ready(pages(shared.address)) for _ in range(2))
     sets_out(page, shared.robot, 'drive_distance', distance=0.15)
     way = witness.until(
         lambda: (goal_of(witness).get('feedback') or {}).get('remaining_travel_distance'))
@@ -367,8 +361,8 @@ def test_goals_are_sent_watched_and_reached(shared, opened):
     assert not page.reply()['ok']
 
 
-def test_a_goal_that_cannot_be_reached_says_why(shared, opened):
-    page = opened()
+def test_a_goal_that_cannot_be_reached_says_why(shared, pages):
+    page = ready(pages(shared.address))
     reply = pursued(page, 'undock')
     assert not reply['ok'] and reply['text']
     reply = pursued(page, 'drive_arc', angle=900, radius=900, translate_direction=1)
@@ -379,8 +373,8 @@ def test_a_goal_that_cannot_be_reached_says_why(shared, opened):
     assert not page.reply()['ok'] and shared.robot.standing
 
 
-def test_a_goal_ends_by_cancel_stop_and_take_over(shared, opened):
-    page, other = opened(), opened()
+def test_a_goal_ends_by_cancel_stop_and_take_over(shared, pages):
+    page, other = (ready(pages(shared.address)) for _ in range(2))
     for end in ('cancel', 'stop', 'take_over'):
         page.until(lambda: goal_of(page).get('state') not in ('sent', 'under way', 'canceling'))
         sets_out(page, shared.robot, 'drive_distance', **LONG_WAY)
@@ -391,8 +385,8 @@ def test_a_goal_ends_by_cancel_stop_and_take_over(shared, opened):
     assert page.reply()['text'].startswith('another page drives')
 
 
-def test_stop_right_behind_a_goal_stops_it(shared, opened):
-    page = opened()
+def test_stop_right_behind_a_goal_stops_it(shared, pages):
+    page = ready(pages(shared.address))
     page.send('drive_distance', **LONG_WAY)
     page.send('stop')
     replies = {reply['to']: reply['ok'] for reply in (page.reply(), page.reply())}
@@ -401,18 +395,18 @@ def test_stop_right_behind_a_goal_stops_it(shared, opened):
     shared.ros.until(lambda: shared.robot.standing)
 
 
-def test_a_goal_ends_when_the_network_of_its_page_fails(shared, opened):
-    witness = opened()
+def test_a_goal_ends_when_the_network_of_its_page_fails(shared, pages):
+    witness = ready(pages(shared.address))
     with closing(Relay(witness.address)) as relay:
-        page = opened(relay.address)
+        page = ready(pages(relay.address))
         sets_out(page, shared.robot, 'drive_distance', **LONG_WAY)
         relay.freeze()
         witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
         shared.ros.until(lambda: shared.robot.standing)
 
 
-def test_a_goal_ends_when_its_page_or_the_driver_goes(shared, opened):
-    page, witness = opened(), opened()
+def test_a_goal_ends_when_its_page_or_the_driver_goes(shared, pages):
+    page, witness = (ready(pages(shared.address)) for _ in range(2))
     sets_out(page, shared.robot, 'drive_distance', **LONG_WAY)
     page.close()
     witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
