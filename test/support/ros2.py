@@ -35,14 +35,6 @@ if PROGRAM is None:
     pytest.skip(MISSING, allow_module_level=True)
 
 
-def set_up(patch: pytest.MonkeyPatch) -> None:
-    """Put the tools in build/ros2, if they are there, into the environment."""
-    for packages in TOOLS.glob('lib/python3*/site-packages'):
-        for name, path in (('PATH', TOOLS / 'bin'), ('PYTHONPATH', packages),
-                           ('AMENT_PREFIX_PATH', TOOLS)):
-            patch.setenv(name, str(path), prepend=os.pathsep)
-
-
 def add_stand_ins(prefix: Path) -> None:
     """Make packages whose only program records how it was started."""
     for name in STAND_INS:
@@ -161,7 +153,10 @@ class Ros2:
 def real_tools(folder: Path) -> Iterator[Ros2]:
     """Yield the tools in a folder and ROS domain of their own."""
     with pytest.MonkeyPatch.context() as patch:
-        set_up(patch)
+        for packages in TOOLS.glob('lib/python3*/site-packages'):  # none if ROS is installed
+            for name, path in (('PATH', TOOLS / 'bin'), ('PYTHONPATH', packages),
+                               ('AMENT_PREFIX_PATH', TOOLS)):
+                patch.setenv(name, str(path), prepend=os.pathsep)
         add_stand_ins(folder / 'stand_ins')
         patch.setenv('AMENT_PREFIX_PATH', str(folder / 'stand_ins'), prepend=os.pathsep)
         patch.setenv('ROS_LOG_DIR', str(folder / 'log'))
