@@ -31,6 +31,11 @@ from support.goals import (
 )
 from support.loop import Loop, said, STEP
 
+loop = pytest.fixture(met)
+"""A robot and a driver that have met."""
+running = pytest.fixture(moving)
+"""A goal of this robot, which moves."""
+
 # What an ending says.
 
 
@@ -41,15 +46,13 @@ from support.loop import Loop, said, STEP
     (lambda: angle(-900), r'after [2-9]\d degrees'),
     (lambda: arc(-200, 0.5), r'after [1-3]\d degrees'),
     (lambda: place(3.0, 0.0), r'2\.[6-9]\d m from the goal')])
-def test_an_ending_says_how_far_the_robot_has_got(make, says):
-    loop = met()
+def test_an_ending_says_how_far_the_robot_has_got(loop, make, says):
     running = moving(loop, make())
     loop.driver.goals.cancel(running, loop.now)
     assert fullmatch(f'stopped {says}; canceled', running.outcome.text)
 
 
-def test_a_goal_that_moves_on_or_never_moved_is_not_said_to_have_stopped():
-    loop = met()
+def test_a_goal_that_moves_on_or_never_moved_is_not_said_to_have_stopped(loop):
     first, second = moving(loop), moving(loop)
     assert first.outcome.text.startswith('ended after 0.')
     assert 'wait for the first result' in first.outcome.text
@@ -95,16 +98,13 @@ def test_every_goal_ends_in_every_mode(mode, make):
     assert loop.robot.actuators.wheels == (0, 0)
 
 
-def test_full_instead_of_safe_changes_nothing():
-    loop = met()
+def test_full_instead_of_safe_changes_nothing(loop):
     running = moving(loop, distance(0.5))
     loop.driver.modes.set(oi.Mode.FULL, loop.now)
     assert until_ended(loop, running).code is Code.NONE
 
 
-def test_a_charger_ends_a_motion_with_the_reason():
-    loop = met()
-    running = moving(loop)
+def test_a_charger_ends_a_motion_with_the_reason(loop, running):
     loop.body.plug_charger(True)
     ending = ended(loop, running)
     assert ending.code is Code.MODE
@@ -115,9 +115,7 @@ def test_a_charger_ends_a_motion_with_the_reason():
     assert "pull the charger's plug" in again.text
 
 
-def test_a_goal_brings_back_the_mode_once_the_hazard_has_gone():
-    loop = met()
-    running = moving(loop)
+def test_a_goal_brings_back_the_mode_once_the_hazard_has_gone(loop, running):
     loop.body.force(seconds=0.5, cliff_left=1)
     assert ended(loop, running).code is Code.CLIFF
     assert loop.robot.mode is oi.Mode.PASSIVE
@@ -126,9 +124,7 @@ def test_a_goal_brings_back_the_mode_once_the_hazard_has_gone():
     assert loop.robot.mode is oi.Mode.SAFE
 
 
-def test_a_demo_keeps_goals_away_and_takes_over_from_one():
-    loop = met()
-    running = moving(loop)
+def test_a_demo_keeps_goals_away_and_takes_over_from_one(loop, running):
     loop.driver.modes.start_demo(oi.DemoNumber.DRIVE_FIGURE_EIGHT)
     assert running.outcome is not None
     assert running.code is Code.SUPERSEDED
@@ -138,8 +134,7 @@ def test_a_demo_keeps_goals_away_and_takes_over_from_one():
     assert 'stop_demo' in ending.text
 
 
-def test_a_script_keeps_goals_away():
-    loop = met()
+def test_a_script_keeps_goals_away(loop):
     loop.driver.scripts.define(oi.Script(script=oi.WaitTime(time=20).encode()))
     loop.driver.scripts.play(loop.now, force=False)
     ending = pursue(loop, distance(0.1))
@@ -151,9 +146,7 @@ def test_a_script_keeps_goals_away():
     (lambda loop: setattr(loop, 'cut', True), 'the robot no longer answers'),
     (lambda loop: loop.driver.disconnected('cable pulled'), 'the port is gone'),
     (lambda loop: loop.driver.shut_down(loop.now), 'the driver ends')])
-def test_a_robot_port_or_driver_that_is_gone_ends_a_goal(happens, says):
-    loop = met()
-    running = moving(loop)
+def test_a_robot_port_or_driver_that_is_gone_ends_a_goal(loop, running, happens, says):
     happens(loop)
     ending = until_ended(loop, running)
     assert ending.code is Code.LINK and says in ending.text
@@ -162,8 +155,7 @@ def test_a_robot_port_or_driver_that_is_gone_ends_a_goal(happens, says):
 # When it begins, and for how long.
 
 
-def test_a_goal_ends_when_its_time_is_over_and_not_before():
-    loop = met()
+def test_a_goal_ends_when_its_time_is_over_and_not_before(loop):
     running = start(loop, distance(9.0, allowance=0.5))
     loop.run(0.5 - STEP)
     assert running.outcome is None
@@ -245,17 +237,13 @@ def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(
     assert (loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK) is (action is LowBatteryAction.DOCK)
 
 
-def test_a_goal_ends_when_the_robot_does_not_enter_another_mode_to_drive_in():
-    loop = met()
-    running = moving(loop)
+def test_a_goal_ends_when_the_robot_does_not_enter_another_mode_to_drive_in(loop, running):
     loop.driver.modes.set(oi.Mode.FULL, loop.now)
     loop.forged = {'oi_mode': int(oi.Mode.PASSIVE)}
     assert ended(loop, running, within=0.2).code is Code.MODE
 
 
-def test_what_comes_after_the_end_changes_nothing():
-    loop = met()
-    running = moving(loop)
+def test_what_comes_after_the_end_changes_nothing(loop, running):
     loop.driver.goals.cancel(running, loop.now)
     before, second = running.outcome, moving(loop)
     loop.driver.goals.cancel(running, loop.now, CLIENT_GONE)
@@ -277,8 +265,7 @@ def test_a_stop_always_wins():
 
 
 @pytest.mark.parametrize('velocity', [(nan, 0.0), (0.2, nan), (inf, 0.0)])
-def test_a_velocity_that_is_not_finite_changes_nothing_while_a_goal_runs(velocity):
-    loop = met()
+def test_a_velocity_that_is_not_finite_changes_nothing_while_a_goal_runs(loop, velocity):
     running = start(loop, distance(0.3))
     loop.run(0.3)
     loop.driver.drive(*velocity, loop.now)
@@ -287,9 +274,7 @@ def test_a_velocity_that_is_not_finite_changes_nothing_while_a_goal_runs(velocit
     assert until_ended(loop, running).code is Code.NONE
 
 
-def test_the_odometry_is_not_reset_while_a_goal_needs_it():
-    loop = met()
-    running = moving(loop)
+def test_the_odometry_is_not_reset_while_a_goal_needs_it(loop, running):
     answer = loop.driver.reset_odometry().outcome
     assert not answer.ok and 'cancel it first' in answer.text
     loop.driver.goals.cancel(running, loop.now)

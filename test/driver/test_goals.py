@@ -29,6 +29,8 @@ from support.goals import (
 )
 from support.loop import Loop, texts, turn_difference
 
+loop = pytest.fixture(met)
+"""A robot and a driver that have met."""
 late = partial(met, delay=0.005)
 """Makes a robot on a line with a delay."""
 
@@ -157,8 +159,8 @@ def test_a_goal_that_is_reached_already_ends_at_once():
     ids=['left', 'right', 'front', 'lifted'])
 @pytest.mark.parametrize('make', [
     lambda: distance(1.0), lambda: angle(300), lambda: arc(90, 0.5), lambda: place(1.0, 0.0)])
-def test_a_bump_and_a_wheel_that_drops_end_every_motion(make, happens, code, where, what_to_do):
-    loop = met()
+def test_a_bump_and_a_wheel_that_drops_end_every_motion(
+        loop, make, happens, code, where, what_to_do):
     running = moving(loop, make())
     happens(loop.body)
     ending = ended(loop, running)
@@ -166,8 +168,7 @@ def test_a_bump_and_a_wheel_that_drops_end_every_motion(make, happens, code, whe
     assert where in ending.text and what_to_do in ending.text
 
 
-def test_a_pressed_bumper_lets_no_distance_begin_but_backwards_and_turns():
-    loop = met()
+def test_a_pressed_bumper_lets_no_distance_begin_but_backwards_and_turns(loop):
     loop.body.force(bump_left=1)
     loop.run(0.1)
     assert pursue(loop, distance(0.2)).code is Code.BUMP
@@ -177,8 +178,7 @@ def test_a_pressed_bumper_lets_no_distance_begin_but_backwards_and_turns():
     assert pursue(loop, distance(-0.2)).code is Code.NONE
 
 
-def test_a_bumper_that_is_pressed_again_while_the_robot_backs_off_ends_that():
-    loop = met()
+def test_a_bumper_that_is_pressed_again_while_the_robot_backs_off_ends_that(loop):
     loop.body.force(bump_left=1)
     loop.run(0.1)
     running = moving(loop, distance(-1.0))
@@ -189,8 +189,7 @@ def test_a_bumper_that_is_pressed_again_while_the_robot_backs_off_ends_that():
 
 
 @pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
-def test_a_cliff_ends_a_motion_and_says_where(mode):
-    loop = met()
+def test_a_cliff_ends_a_motion_and_says_where(loop, mode):
     loop.driver.modes.set(mode, loop.now)
     loop.run(0.2)
     running = moving(loop)
@@ -200,8 +199,7 @@ def test_a_cliff_ends_a_motion_and_says_where(mode):
     assert 'front left' in ending.text
 
 
-def test_at_a_cliff_in_full_mode_only_the_way_back_is_open():
-    loop = met()
+def test_at_a_cliff_in_full_mode_only_the_way_back_is_open(loop):
     loop.driver.modes.set(oi.Mode.FULL, loop.now)
     loop.run(0.2)
     loop.body.force(cliff_right=1)
@@ -211,8 +209,7 @@ def test_at_a_cliff_in_full_mode_only_the_way_back_is_open():
     assert pursue(loop, distance(-0.1)).code is Code.NONE
 
 
-def test_safe_mode_itself_may_end_a_way_back_at_a_cliff():
-    loop = met()
+def test_safe_mode_itself_may_end_a_way_back_at_a_cliff(loop):
     loop.body.force(cliff_left=1)
     loop.run(0.1)
     ending = pursue(loop, arc(90, 0.1, direction=-1))
@@ -222,9 +219,8 @@ def test_safe_mode_itself_may_end_a_way_back_at_a_cliff():
 
 
 @pytest.mark.parametrize('speed', [0.11, 0.2, 0.3])
-def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it(speed):
+def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it(loop, speed):
     """Also where readings in a row would tell the rounding, which standing wheels do not."""
-    loop = met()
     running = moving(loop, distance(5.0, speed))
     loop.body.hold(right=True, left=True)
     loop.body.force(overcurrent_right_wheel=0, overcurrent_left_wheel=0)
@@ -242,15 +238,13 @@ def test_a_robot_that_may_not_turn_its_wheels_says_so(most):
         assert 'max_wheel_speed is 0' in ending.text
 
 
-def test_low_side_drivers_that_draw_too_much_stop_no_wheels():
-    loop = met()
+def test_low_side_drivers_that_draw_too_much_stop_no_wheels(loop):
     loop.body.force(overcurrent_ld0=1, overcurrent_ld1=1, overcurrent_ld2=1)
     assert pursue(loop, distance(0.3)).code is Code.NONE
 
 
 @pytest.mark.parametrize('wheel', ['overcurrent_left_wheel', 'overcurrent_right_wheel'])
-def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(wheel):
-    loop = met()
+def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(loop, wheel):
     running = moving(loop, distance(9.0))
     for _ in range(2):
         loop.body.force(seconds=0.45, **{wheel: 1})
@@ -268,8 +262,8 @@ def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(wheel):
     MotionLimits(max_wheel_speed=0.03), MotionLimits(max_wheel_speed=0.012),
     MotionLimits(linear_acceleration=0.01, angular_acceleration=0.05)],
     ids=['slow', 'slower', 'lazy'])
-def test_a_robot_that_is_made_slow_while_a_goal_runs_is_not_taken_for_a_held_one(make, limits):
-    loop = met()
+def test_a_robot_that_is_made_slow_while_a_goal_runs_is_not_taken_for_a_held_one(
+        loop, make, limits):
     running = start(loop, make())
     loop.run(0.4)
     loop.driver.set_limits(limits)

@@ -322,9 +322,9 @@ def test_a_hazard_that_ended_the_mode_is_not_overruled():
 # A robot that a hazard took out of its mode before the goal began.
 
 
-def carried(world: str = 'start 0.8 0 180\nhome_base 0 0 0', **settings: object) -> Loop:
+def carried(**settings: object) -> Loop:
     """Return a robot that was lifted out of Safe, and stands where it was."""
-    loop = met(world=parse(world, 'base'), settings=Settings(**settings))
+    loop = met(world=BASE, settings=Settings(**settings))
     loop.body.lift(True)
     loop.run(0.4)
     loop.body.lift(False)

@@ -5,13 +5,21 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver import Severity
 from create_oi_ros.driver.goal_control import TAKEN_OVER
 from create_oi_ros.driver.goals import Code, Dock
 from create_oi_ros.driver.outbox import CALLED_OFF, HALT
 from create_oi_ros.driver.state import Activity, CONSEQUENCES, State, StateEvent, Then, TRANSITIONS
 from support.goals import distance, pursue
 from support.loop import Loop, said
+
+
+@pytest.fixture
+def loop() -> Loop:
+    """Return a robot and a driver that have met a while ago."""
+    met = Loop()
+    met.run(3.0)
+    return met
 
 
 @pytest.mark.parametrize(('event', 'leads_to'), [
@@ -85,13 +93,6 @@ def test_an_event_that_no_table_lists_is_logged_once_and_changes_nothing(loop, m
 # A stop takes queued motion out of the queue.
 
 
-def in_safe(**settings) -> Loop:
-    """Return a robot and a driver that have met a while ago."""
-    loop = Loop(Settings(**settings))
-    loop.run(3.0)
-    return loop
-
-
 @pytest.mark.parametrize('demo', [oi.DemoNumber.COVER, oi.DemoNumber.COVER_AND_DOCK])
 @pytest.mark.parametrize('wait', [0.0, 0.01, 0.3])
 @pytest.mark.parametrize('stop', [
@@ -100,8 +101,7 @@ def in_safe(**settings) -> Loop:
     lambda driver, now: driver.modes.set(oi.Mode.PASSIVE, now),
     lambda driver, now: driver.shut_down(now)],
     ids=['stop', 'stop_demo', 'safe', 'passive', 'shut_down'])
-def test_a_demo_that_was_stopped_never_begins_later(demo, wait, stop):
-    loop = in_safe()
+def test_a_demo_that_was_stopped_never_begins_later(loop, demo, wait, stop):
     started = loop.driver.modes.start_demo(demo)
     loop.run(wait)
     waits = started.outcome is None
@@ -115,8 +115,7 @@ def test_a_demo_that_was_stopped_never_begins_later(demo, wait, stop):
 
 
 @pytest.mark.parametrize('wait', [0.0, 0.3])
-def test_a_search_for_the_dock_that_was_canceled_never_begins_later(wait):
-    loop = in_safe()
+def test_a_search_for_the_dock_that_was_canceled_never_begins_later(loop, wait):
     running = loop.driver.goals.start(Dock(0.0), loop.now)
     while loop.driver.state.activity is not Activity.DOCKING:
         loop.turn()
@@ -128,8 +127,7 @@ def test_a_search_for_the_dock_that_was_canceled_never_begins_later(wait):
     assert loop.robot.mode is oi.Mode.SAFE
 
 
-def test_a_script_that_was_stopped_before_it_was_sent_is_not_played():
-    loop = in_safe()
+def test_a_script_that_was_stopped_before_it_was_sent_is_not_played(loop):
     drive = oi.DriveDirect(right=100, left=100).encode() + oi.WaitTime(time=5).encode()
     loop.driver.scripts.define(oi.Script(script=drive))
     loop.run(0.1)
@@ -142,8 +140,7 @@ def test_a_script_that_was_stopped_before_it_was_sent_is_not_played():
     assert loop.robot.actuators.wheels == (100, 100)
 
 
-def test_passive_stops_a_robot_that_drives_before_anything_else():
-    loop = in_safe()
+def test_passive_stops_a_robot_that_drives_before_anything_else(loop):
     loop.drive(0.3, 0.0, 1.0)
     loop.commands()
     loop.driver.modes.set(oi.Mode.PASSIVE, loop.now)
@@ -156,8 +153,7 @@ def test_passive_stops_a_robot_that_drives_before_anything_else():
 # Commands must pause after an absence.
 
 
-def test_commands_must_pause_before_a_robot_that_was_away_follows_them():
-    loop = in_safe()
+def test_commands_must_pause_before_a_robot_that_was_away_follows_them(loop):
     loop.drive(0.2, 0.5, 1.0)
     loop.cut = True
     loop.drive(0.2, 0.5, 3.0)
@@ -174,8 +170,7 @@ def test_commands_must_pause_before_a_robot_that_was_away_follows_them():
 
 @pytest.mark.parametrize(
     ('mode', 'drives'), [(oi.Safe, True), (oi.Start, False), (oi.Full, False)])
-def test_a_hiccup_needs_no_pause_unless_the_robot_comes_back_in_another_mode(mode, drives):
-    loop = in_safe()
+def test_a_hiccup_needs_no_pause_unless_the_robot_comes_back_in_another_mode(loop, mode, drives):
     loop.drive(0.2, 0.0, 1.0)
     loop.cut = True
     loop.drive(0.2, 0.0, 1.5)
@@ -196,8 +191,7 @@ def losing_replies(loop: Loop) -> None:
     losing_replies, lambda loop: loop.stand_still(1.2), lambda loop: loop.lose_port(1.2)],
     ids=['replies', 'driver', 'port'])
 @pytest.mark.parametrize('phase', [0.0, 0.005, 0.01])
-def test_a_hiccup_of_driver_port_or_line_needs_no_pause(hiccup, phase):
-    loop = in_safe()
+def test_a_hiccup_of_driver_port_or_line_needs_no_pause(loop, hiccup, phase):
     loop.drive(0.2, 0.0, 1.0 + phase)
     hiccup(loop)
     loop.drive(0.2, 0.0, 2.0)
@@ -208,8 +202,7 @@ def test_a_hiccup_of_driver_port_or_line_needs_no_pause(hiccup, phase):
 @pytest.mark.parametrize('order', [
     lambda loop: loop.driver.modes.set(oi.Mode.SAFE, loop.now),
     lambda loop: pursue(loop, distance(0.1)).code is Code.NONE], ids=['mode', 'goal'])
-def test_setting_the_mode_and_a_goal_are_as_good_as_a_pause(order):
-    loop = in_safe()
+def test_setting_the_mode_and_a_goal_are_as_good_as_a_pause(loop, order):
     loop.cut = True
     loop.drive(0.2, 0.0, 3.0)
     loop.cut = False

@@ -36,8 +36,8 @@ def test_a_command_before_the_robot_answers_moves_nothing_later():
     assert not texts(loop.notices, Severity.WARNING)
 
 
-def test_the_wheels_stop_when_commands_stop(at_once):
-    loop = at_once
+def test_the_wheels_stop_when_commands_stop(loop):
+    loop.driver.set_limits(AT_ONCE)
     loop.driver.drive(0.2, 0.0, loop.now)
     loop.run(TIMEOUT - 0.01)
     assert drives(loop) == [oi.DriveDirect(right=200, left=200)]
@@ -221,8 +221,9 @@ def test_rounding_to_whole_millimetres_keeps_the_turn_and_the_limit(linear) -> N
             assert abs(right - speeds.right) <= 0.5
 
 
-def test_a_robot_is_told_at_most_once_a_slot_but_a_stop_does_not_wait(at_once):
-    loop, told = at_once, []
+def test_a_robot_is_told_at_most_once_a_slot_but_a_stop_does_not_wait(loop):
+    loop.driver.set_limits(AT_ONCE)
+    told = []
     for step in range(40):
         loop.driver.drive(0.1 + step / 1000, 0.0, loop.now)
         loop.turn()
@@ -238,8 +239,9 @@ def test_a_robot_is_told_at_most_once_a_slot_but_a_stop_does_not_wait(at_once):
 
 
 @pytest.mark.parametrize('speed', [0.25, 0.0])
-def test_speeds_that_the_robot_did_not_take_in_time_are_sent_again(at_once, speed):
-    loop, told = at_once, []
+def test_speeds_that_the_robot_did_not_take_in_time_are_sent_again(loop, speed):
+    loop.driver.set_limits(AT_ONCE)
+    told = []
     loop.drive(0.25 - speed, 0.0, 0.3)
     drives(loop)
     hear, loop.robot.receive = loop.robot.receive, lambda *_: None

@@ -302,7 +302,8 @@ def first_proof() -> GyroRide:
     return GyroRide().prove()
 
 
-def proven() -> GyroRide:
+@pytest.fixture
+def ride() -> GyroRide:
     """Return a robot of its own whose gyro is believed."""
     return deepcopy(first_proof())
 
@@ -312,8 +313,7 @@ def known() -> Knowledge:
     return first_proof().gyro.knowledge
 
 
-def test_a_turn_in_which_wheels_slip_is_that_of_the_gyro():
-    ride = proven()
+def test_a_turn_in_which_wheels_slip_is_that_of_the_gyro(ride):
     assert ride.gyro.gyro.believed
     before = ride.off
     ride.body.slip(right=0.5, left=0.0, seconds=2.0)
@@ -323,8 +323,7 @@ def test_a_turn_in_which_wheels_slip_is_that_of_the_gyro():
     assert ride.gyro.gyro.slips
 
 
-def test_a_robot_that_is_lifted_and_turned_knows_its_heading():
-    ride = proven()
+def test_a_robot_that_is_lifted_and_turned_knows_its_heading(ride):
     before = ride.off
     ride.body.lift(True)
     ride.body.push(speed=0.0, rate=1.0, seconds=1.5)
@@ -365,8 +364,8 @@ def test_a_gyro_that_was_checked_is_believed_once_the_robot_has_stood():
     assert abs(with_gyro) < 3 < 20 < abs(without)
 
 
-def test_a_heading_that_nobody_measures_is_not_moved_by_noise():
-    ride = proven().go(20)
+def test_a_heading_that_nobody_measures_is_not_moved_by_noise(ride):
+    ride.go(20)
     ride.steps.clear()
     ride.go(10)
     assert sum(ride.steps) < radians(0.3)
@@ -398,9 +397,8 @@ def test_a_gyro_that_is_upside_down_is_noticed():
     assert ride.gyro.knowledge.gyro.scale.value < 0
 
 
-def test_a_gyro_that_falls_off_is_not_believed_any_more():
+def test_a_gyro_that_falls_off_is_not_believed_any_more(ride):
     broken = Random(2)
-    ride = proven()
     before = ride.off[0]
     ride.volts = lambda volts: broken.randrange(1024) * STEP
     ride.go(2.0, 0.0, 1.2).go(4.0, 0.1).go(3.0)
@@ -408,15 +406,13 @@ def test_a_gyro_that_falls_off_is_not_believed_any_more():
     assert abs(ride.off[0] - before) < 3
 
 
-def test_a_turn_beyond_the_range_is_that_of_the_wheels():
-    ride = proven()
+def test_a_turn_beyond_the_range_is_that_of_the_wheels(ride):
     before = ride.off[0]
     ride.go(2.0, 0.0, 3.5).go(3.0)
     assert abs(ride.off[0] - before) < 3
 
 
-def test_a_zero_that_has_moved_is_learned_anew():
-    ride = proven()
+def test_a_zero_that_has_moved_is_learned_anew(ride):
     ride.volts = lambda volts: volts + 0.1
     ride.go(30)
     before = ride.gyro.estimate.yaw
@@ -425,8 +421,8 @@ def test_a_zero_that_has_moved_is_learned_anew():
     assert abs(ride.gyro.estimate.yaw - before) < radians(1)
 
 
-def test_another_pose_is_where_it_goes_on():
-    ride = proven().go(0.5, 0.0, 1.0)
+def test_another_pose_is_where_it_goes_on(ride):
+    ride.go(0.5, 0.0, 1.0)
     ride.gyro.reset(1.0, 2.0, 0.5)
     ride.gyro.start_trip()  # no frame has come since
     was = ride.body.truth().turned

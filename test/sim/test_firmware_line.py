@@ -24,6 +24,12 @@ import vectors
 ASK_MODE = bytes([142, 35])
 
 
+@pytest.fixture
+def robot() -> Robot:
+    """Return a robot that has been started."""
+    return Robot(Mode.PASSIVE)
+
+
 def booted(robot: Robot) -> Robot:
     """Switch a robot off and on, and wait until it hears."""
     robot.create.power(False, robot.now)
@@ -37,8 +43,7 @@ def booted(robot: Robot) -> Robot:
 @pytest.mark.parametrize('ends', [
     booted, lambda robot: robot.create.lose_battery(robot.now)], ids=['power', 'battery'])
 def test_a_rate_lasts_until_the_power_is_turned_off_or_the_battery_removed(
-        ends: Callable[[Robot], object]) -> None:
-    robot = Robot(Mode.PASSIVE)
+        robot: Robot, ends: Callable[[Robot], object]) -> None:
     robot.say(oi.Baud(code=7))
     assert robot.create.baud == 19200
     ends(robot)
@@ -62,16 +67,14 @@ def test_the_battery_voltage_below_the_minimum_turns_the_robot_off() -> None:
 # Baud.
 
 @pytest.mark.parametrize(('code', 'rate'), vectors.BAUD_CODES.items())
-def test_baud_sets_the_rate_according_to_its_code(code: int, rate: int) -> None:
-    robot = Robot(Mode.PASSIVE)
+def test_baud_sets_the_rate_according_to_its_code(robot: Robot, code: int, rate: int) -> None:
     robot.say(bytes([129, code]))
     robot.run(0.2)
     assert robot.create.baud == rate
     assert robot.say(ASK_MODE, baud=rate) == b'\x01'
 
 
-def test_you_must_wait_100_ms_after_sending_baud() -> None:
-    robot = Robot(Mode.PASSIVE)
+def test_you_must_wait_100_ms_after_sending_baud(robot: Robot) -> None:
     assert robot.say(bytes([129, 7]) + ASK_MODE) == b''
     robot.run(0.08)
     assert robot.say(ASK_MODE, baud=19200) == b''
@@ -80,8 +83,7 @@ def test_you_must_wait_100_ms_after_sending_baud() -> None:
 
 
 @pytest.mark.parametrize('rate', [19200, 38400, 115200])
-def test_a_host_that_listens_at_the_wrong_rate_receives_garbage(rate: int) -> None:
-    robot = Robot(Mode.PASSIVE)
+def test_a_host_that_listens_at_the_wrong_rate_receives_garbage(robot: Robot, rate: int) -> None:
     robot.say(bytes([148, 1, 35]))
     robot.create.host_baud(rate)
     said = robot.run(1.5)
@@ -207,12 +209,6 @@ def test_a_robot_recovers_from_any_bytes_by_harmless_ones() -> None:
 # What is answered.
 
 
-@pytest.fixture
-def robot() -> Robot:
-    """Return a robot that has been started."""
-    return Robot(Mode.PASSIVE)
-
-
 # Sensors.
 
 def test_there_are_43_different_sensor_packets_and_others_are_not_answered(robot: Robot) -> None:
@@ -298,8 +294,8 @@ def test_the_list_survives_a_mode_change_and_start(robot: Robot, mode: oi.Comman
 
 
 @pytest.mark.parametrize(('baud', 'capacity'), [(57600, 86), (19200, 28)])
-def test_a_maximum_of_86_bytes_can_be_sent_in_15_ms(baud: int, capacity: int) -> None:
-    robot = Robot(Mode.PASSIVE)
+def test_a_maximum_of_86_bytes_can_be_sent_in_15_ms(
+        robot: Robot, baud: int, capacity: int) -> None:
     robot.say(oi.Baud(code=oi.BaudCode[f'B{baud}']))
     robot.run(0.2)
     fits = [7] * ((capacity - 3) // 2)
@@ -310,8 +306,7 @@ def test_a_maximum_of_86_bytes_can_be_sent_in_15_ms(baud: int, capacity: int) ->
 @pytest.mark.parametrize(('baud', 'packets'), [
     (57600, [*range(7, 43)]), (19200, [7] * 14), (57600, [6] * 43)])
 def test_if_more_data_is_requested_the_stream_will_eventually_become_corrupted(
-        baud: int, packets: list[int]) -> None:
-    robot = Robot(Mode.PASSIVE)
+        robot: Robot, baud: int, packets: list[int]) -> None:
     robot.say(oi.Baud(code=oi.BaudCode[f'B{baud}']))
     robot.run(0.2)
     robot.say(bytes([148, len(packets), *packets]))
@@ -339,7 +334,7 @@ def test_pause_keeps_the_list_and_resume_uses_it(robot: Robot) -> None:
 
 # Sensor Packets: each bit and value, by its byte on the wire.
 
-@pytest.mark.parametrize(('sensor', 'packet', 'value'), [
+BITS = [
     ('bump_right', 7, 1), ('bump_left', 7, 2), ('drop_right', 7, 4), ('drop_left', 7, 8),
     ('drop_caster', 7, 16), ('wall', 8, 1), ('cliff_left', 9, 1), ('cliff_front_left', 10, 1),
     ('cliff_front_right', 11, 1), ('cliff_right', 12, 1), ('virtual_wall', 13, 1),
@@ -347,14 +342,11 @@ def test_pause_keeps_the_list_and_resume_uses_it(robot: Robot) -> None:
     ('overcurrent_right_wheel', 14, 8), ('overcurrent_left_wheel', 14, 16),
     ('play', 18, 1), ('advance', 18, 4), ('digital_input_0', 32, 16 + 1),
     ('digital_input_1', 32, 16 + 2), ('digital_input_2', 32, 16 + 4),
-    ('digital_input_3', 32, 16 + 8), ('internal_charger', 34, 1), ('home_base', 34, 2)])
-def test_bits_are_sent_as_the_manual_says(sensor: str, packet: int, value: int) -> None:
-    robot = Robot(Mode.FULL)
-    robot.body.force(**{sensor: 1})
-    assert robot.ask(packet) == bytes([value])
+    ('digital_input_3', 32, 16 + 8), ('internal_charger', 34, 1), ('home_base', 34, 2)]
 
 
 @pytest.mark.parametrize(('sensor', 'packet', 'value', 'sent'), [
+    *((sensor, packet, 1, bytes([byte])) for sensor, packet, byte in BITS),
     ('infrared', 17, 254, b'\xfe'), ('charging_state', 21, 5, b'\x05'),
     ('voltage', 22, 16000, b'\x3e\x80'), ('current', 23, -300, b'\xfe\xd4'),
     ('temperature', 24, -5, b'\xfb'), ('charge', 25, 2600, b'\x0a\x28'),
@@ -363,7 +355,7 @@ def test_bits_are_sent_as_the_manual_says(sensor: str, packet: int, value: int) 
     ('cliff_front_left_signal', 29, 772, b'\x03\x04'),
     ('cliff_front_right_signal', 30, 1286, b'\x05\x06'),
     ('cliff_right_signal', 31, 1800, b'\x07\x08'), ('analog', 33, 1023, b'\x03\xff')])
-def test_values_are_sent_high_byte_first(
+def test_bits_and_values_are_sent_as_the_manual_says(
         sensor: str, packet: int, value: int, sent: bytes) -> None:
     robot = Robot(Mode.FULL)
     robot.body.force(**{sensor: value})
