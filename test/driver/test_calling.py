@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the driver finds its robot; a line that is not well or silent, and what is true after."""
 
-from collections.abc import Callable
 from itertools import cycle, pairwise
 from math import hypot, radians
 
@@ -97,16 +96,6 @@ def test_frames_that_are_cut_for_lack_of_room_are_told_of_in_words(baud):
     assert said(loop, Severity.ERROR, f'{baud} baud is too slow') == 1
 
 
-def each_frame_of(loop: Loop, count: int, becomes: Callable[[bytes], bytes]) -> None:
-    """Let something become of each second, third, ... frame."""
-    take, one_of = loop.robot.data_to_send, cycle([*[False] * (count - 1), True])
-
-    def changed() -> bytes:
-        frame = take()
-        return becomes(frame) if frame and next(one_of) else frame
-    loop.robot.data_to_send = changed
-
-
 @pytest.mark.parametrize('becomes', [
     lambda frame: b'', lambda frame: frame[:-1] + bytes([frame[-1] ^ 1])], ids=['lost', 'damaged'])
 @pytest.mark.parametrize(('count', 'arrive'), [(2, 33), (4, 50), (6, None)])
@@ -114,8 +103,12 @@ def test_a_line_with_too_few_whole_frames_is_told_of_once_and_when_it_is_well_ag
         count, arrive, becomes):
     loop = Loop()
     loop.run(5)
-    whole = loop.robot.data_to_send
-    each_frame_of(loop, count, becomes)
+    whole, one_of = loop.robot.data_to_send, cycle([*[False] * (count - 1), True])
+
+    def changed() -> bytes:
+        frame = whole()
+        return becomes(frame) if frame and next(one_of) else frame
+    loop.robot.data_to_send = changed
     loop.run(20)
     if arrive is None:  # more than four fifths
         assert not said(loop, Severity.WARNING, '')

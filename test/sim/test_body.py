@@ -197,13 +197,6 @@ def test_it_feels_wheels_and_hands_and_is_there_only_on_request():
 # The accumulators behind packets 19 and 20, under the three roundings.
 
 
-def filled(rounding, *amounts):
-    accumulator = Accumulator(rounding)
-    for amount in amounts:
-        accumulator.add(amount)
-    return accumulator
-
-
 @pytest.mark.parametrize(('rounding', 'amount', 'first', 'second'), [
     # After the first reading a further 0.5 is added and read.
     (Rounding.TRUNCATE, 2.9, 2, 0), (Rounding.TRUNCATE, -2.9, -2, 0),
@@ -211,7 +204,8 @@ def filled(rounding, *amounts):
     (Rounding.CARRY, 2.9, 2, 1), (Rounding.CARRY, 2.4, 2, 0), (Rounding.CARRY, -2.9, -2, 0),
 ])
 def test_a_reading_rounds_and_keeps_or_loses_the_rest(rounding, amount, first, second):
-    accumulator = filled(rounding, amount)
+    accumulator = Accumulator(rounding)
+    accumulator.add(amount)
     assert accumulator.take() == first
     accumulator.add(0.5)
     assert accumulator.take() == second
@@ -220,7 +214,8 @@ def test_a_reading_rounds_and_keeps_or_loses_the_rest(rounding, amount, first, s
 @pytest.mark.parametrize('rounding', Rounding)
 @pytest.mark.parametrize(('amount', 'cap'), [(1e5, 32767), (-1e5, -32768)])
 def test_what_waits_is_capped_at_16_bits(rounding, amount, cap):
-    accumulator = filled(rounding, amount)
+    accumulator = Accumulator(rounding)
+    accumulator.add(amount)
     assert accumulator.take() == cap
     assert abs(accumulator.take()) <= 0
 

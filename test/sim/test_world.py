@@ -239,11 +239,6 @@ REACH = hypot(RESOLUTION, RESOLUTION)
 """Metres by which a cell may differ from what is exactly there."""
 
 
-def gap(world: World, x: float, y: float) -> float:
-    """Return the distance to the nearest obstacle."""
-    return min((each.gap(x, y) for each in world.obstacles), default=inf)
-
-
 def grey_at(drawn: Map, x: float, y: float) -> int:
     """Return the grey value of a place."""
     column = floor((x - drawn.x) / RESOLUTION)
@@ -258,10 +253,11 @@ def test_a_map_is_occupied_where_the_world_has_obstacles_and_no_floor(name):
     for _ in range(3000):
         x = drawn.x + random.random() * drawn.width * RESOLUTION
         y = drawn.y + random.random() * drawn.height * RESOLUTION
-        near, grey = gap(world, x, y), grey_at(drawn, x, y)
+        near = min((each.gap(x, y) for each in world.obstacles), default=inf)
         edges = min((each.edge_gap(x, y) for each in (*world.ground, *world.cliffs)), default=inf)
         if edges < REACH:
             continue
+        grey = grey_at(drawn, x, y)
         if near <= 0 or world.floor(x, y) is None:
             assert grey == OCCUPIED, (x, y)
         elif near > REACH:
