@@ -9,7 +9,7 @@ from statistics import fmean
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, Settings, Severity
+from create_oi_ros.driver import Activity, Outcome, Settings, Severity
 from create_oi_ros.driver.listening import QUESTIONS
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
@@ -21,6 +21,12 @@ from support.loop import AT_ONCE, Loop, texts
 LEDS = oi.Leds(bits=oi.LedBits.PLAY | oi.LedBits.ADVANCE, color=10, intensity=200)
 WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
 ENDLESS = parse_script('Wait Time time=1; Play Script')
+
+
+def have_played(loop: Loop, script: oi.Script, force=False, seconds=0.2) -> Outcome:
+    """Define a script and have it played; return what is said of that after some time."""
+    ask(loop, loop.driver.scripts.define, script)
+    return ask(loop, loop.driver.scripts.play, loop.now, force=force, seconds=seconds)
 
 
 def test_while_the_robot_drives_no_script_is_played(loop):
@@ -49,8 +55,7 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
 
 def test_after_a_script_that_leaves_safe_commands_must_pause(loop):
     loop.run(3.0)
-    ask(loop, loop.driver.scripts.define, parse_script('Start; Wait Time time=10'))
-    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    have_played(loop, parse_script('Start; Wait Time time=10'))
     loop.drive(0.2, 0.0, 4.0)
     assert not loop.driver.scripts.playing
     assert (loop.robot.mode, loop.robot.actuators.wheels) == (oi.Mode.PASSIVE, (0, 0))
@@ -60,8 +65,7 @@ def test_after_a_script_that_leaves_safe_commands_must_pause(loop):
 
 
 def test_an_answer_that_comes_without_a_port_ends_no_script(loop):
-    ask(loop, loop.driver.scripts.define, WAITING)
-    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    have_played(loop, WAITING)
     loop.run(0.3)
     loop.driver.disconnected('the cable was pulled')
     loop.run(3.0)
@@ -71,15 +75,13 @@ def test_an_answer_that_comes_without_a_port_ends_no_script(loop):
 
 def test_a_script_that_enters_full_is_sent_no_end_of_a_demo(loop):
     loop.run(3.0)
-    ask(loop, loop.driver.scripts.define, parse_script('Full; Wait Time time=10'))
-    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    have_played(loop, parse_script('Full; Wait Time time=10'))
     loop.drive(0.2, 0.0, 4.0)
     assert (loop.robot.mode, loop.robot.actuators.wheels) == (oi.Mode.SAFE, (200, 200))
 
 
 def test_while_a_script_plays_nothing_is_promised_and_what_stops_it_is_said(loop):
-    ask(loop, loop.driver.scripts.define, WAITING)
-    ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
+    have_played(loop, WAITING, seconds=1.0)
     stopped = loop.driver.stop(loop.now).outcome
     assert not stopped.ok
     for words in ('a script plays', 'for about 1 s more', 'Power button'):
@@ -108,8 +110,7 @@ def test_a_script_that_cannot_end_is_refused_unless_forced(loop):
 
 
 def test_a_robot_that_obeys_between_the_rounds_of_its_script_is_driven_again(loop):
-    ask(loop, loop.driver.scripts.define, parse_script('Send IR byte=5; Play Script'))
-    assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
+    assert have_played(loop, parse_script('Send IR byte=5; Play Script'), force=True).ok
     loop.run(0.5)
     assert 'may go on' in loop.notices[-1].text
     loop.drive(0.2, 0.0, 0.5)
@@ -125,9 +126,7 @@ def test_a_robot_that_obeys_between_the_rounds_of_its_script_is_driven_again(loo
     {'wait_queue': 0}, {'wait_queue': 135}, {'wait_queue': 135, 'wait_answers': True}], ids=str)
 def test_a_robot_that_waits_is_sent_next_to_nothing_and_stands_after_it(loop, guesses):
     loop.robot.guesses = Guesses(**guesses)
-    ask(loop, loop.driver.scripts.define, parse_script(
-        'Drive velocity=200 radius=straight; Wait Time time=250'))
-    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    have_played(loop, parse_script('Drive velocity=200 radius=straight; Wait Time time=250'))
     loop.run(0.1)
     loop.heard.clear()
     loop.driver.stop(loop.now)
@@ -148,13 +147,9 @@ def test_a_robot_that_waits_is_sent_next_to_nothing_and_stands_after_it(loop, gu
     assert loop.body.truth().speed > 0.1
 
 
-AWAY_FROM_ITS_GOAL = parse_script(
-    'Drive velocity=200 radius=straight; Wait Distance distance=-1000')
-
-
 def test_a_script_whose_own_motion_leads_away_from_what_it_waits_for_needs_force(loop):
-    ask(loop, loop.driver.scripts.define, AWAY_FROM_ITS_GOAL)
-    refused = ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    refused = have_played(loop, parse_script(
+        'Drive velocity=200 radius=straight; Wait Distance distance=-1000'))
     assert not refused.ok
     assert 'command 2 of the stored script, Wait Distance distance=-1000, waits' in refused.text
     assert 'the robot drives forwards' in refused.text
@@ -172,8 +167,7 @@ def test_a_script_that_is_not_known_needs_force(loop):
 
 def test_a_robot_that_falls_silent_while_it_waits_is_found_again(loop):
     loop.robot.guesses = Guesses(stream_while_waiting=False)
-    ask(loop, loop.driver.scripts.define, WAITING)
-    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    have_played(loop, WAITING)
     loop.run(4.0)
     assert loop.driver.state.answered
     assert not loop.driver.scripts.playing
@@ -183,8 +177,7 @@ def test_a_robot_that_falls_silent_while_it_waits_is_found_again(loop):
 @pytest.mark.parametrize('packets', [*QUESTIONS, *Loop().driver.plan.questions], ids=str)
 def test_a_script_that_streams_the_list_of_a_question_is_not_taken_for_silence(loop, packets):
     asks = oi.Stream(packets=packets.ids)
-    ask(loop, loop.driver.scripts.define, build_script([asks, oi.WaitTime(time=20)]))
-    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    have_played(loop, build_script([asks, oi.WaitTime(time=20)]))
     loop.run(1.5)
     assert loop.driver.scripts.playing
     loop.run(1.5)
