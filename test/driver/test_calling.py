@@ -124,14 +124,6 @@ def test_a_line_with_too_few_whole_frames_is_told_of_once_and_when_it_is_well_ag
     assert not loop.driver.health(loop.now).line_problem
 
 
-@pytest.mark.parametrize('baud', [19200, 57600])
-def test_of_a_line_that_is_well_nothing_is_said(baud):
-    loop = Loop(Settings(baud=baud), robot_baud=baud, delay=0.05)
-    loop.run(1)
-    loop.drive(0.2, 0.3, 30)
-    assert [notice.text for notice in loop.notices] == ['robot answers; entering SAFE']
-
-
 def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off(loop):
     loop.robot.data_to_send = lambda: bytes(60)
     loop.run(1)

@@ -309,11 +309,3 @@ def test_values_that_cannot_be_encoded_are_named(values: list[int], message: str
     for pack in (packets.pack_reply, packets.pack_frame):
         with pytest.raises(ValueError, match=f'^{re.escape(message)}$'):
             pack(values)
-
-
-def test_the_analog_input_is_read_in_volts() -> None:
-    packets = oi.PacketList(['analog_signal'])
-    assert packets.unpack_reply(b'\x03\xff').analog_volts == pytest.approx(5.0)
-    assert packets.unpack_reply(b'\0\4').analog_volts == pytest.approx(0.0195, abs=1e-4)
-    with pytest.raises(AttributeError, match='analog_signal has not arrived'):
-        _ = oi.Readings().analog_volts
