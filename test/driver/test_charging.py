@@ -21,9 +21,6 @@ from support.asking import ask
 from support.goals import distance, met, pursue, start, until_ended
 from support.loop import Loop, said, texts
 
-UNDER_ROBOT = parse('start 0.1655 0 180\nhome_base 0 0 0', 'base')
-
-
 FINE, LOW, EMPTY = BatteryLevel
 
 
@@ -69,7 +66,8 @@ def test_what_a_charger_does(state, current, charge, does):
 
 def on_dock(seconds: float = 1.0, **settings) -> Loop:
     """Return a robot that stood on its dock when its driver started."""
-    loop = Loop(Settings(**settings), config=DEFAULT_BODY, world=UNDER_ROBOT)
+    world = parse('start 0.1655 0 180\nhome_base 0 0 0', 'base')
+    loop = Loop(Settings(**settings), config=DEFAULT_BODY, world=world)
     loop.run(seconds)
     assert loop.body.sense().home_base
     return loop

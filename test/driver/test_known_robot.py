@@ -23,8 +23,6 @@ pytestmark = UNMEASURED
 
 Wish = tuple[float, float, float]
 """m/s, rad/s, seconds."""
-LESSON = 75.0
-"""Seconds of driving after which a robot is known."""
 
 
 def robot(rounding: Rounding = Rounding.TRUNCATE, config: BodyConfig = DEFAULT_BODY,
@@ -54,7 +52,7 @@ def learned(loop: Loop) -> Knowledge:
     return known
 
 
-def taught(loop: Loop, seed: int = 1, seconds: float = LESSON) -> Knowledge:
+def taught(loop: Loop, seed: int = 1, seconds: float = 75.0) -> Knowledge:
     """Drive for a while; return what was learned, by way of a file."""
     for wish in mixed(seed, seconds):
         loop.drive(*wish)

@@ -18,7 +18,6 @@ from support.loop import Loop
 
 LEDS = oi.Leds(bits=oi.LedBits.PLAY | oi.LedBits.ADVANCE, color=10, intensity=200)
 HIGH = oi.OutputBits.OUTPUT_0 | oi.OutputBits.OUTPUT_2
-WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
 
 
 # Actuators.
@@ -113,7 +112,7 @@ def test_an_output_is_set_by_its_name_and_the_others_stay():
     lambda driver: driver.outputs.send_ir(1),
     lambda driver: driver.songs.define(0, [60], [0.5]),
     lambda driver: driver.modes.start_demo(oi.DemoNumber.COVER),
-    lambda driver: driver.scripts.define(WAITING),
+    lambda driver: driver.scripts.define(parse_script('Wait Time time=20')),
     lambda driver: driver.scripts.play(0.0, force=True),
     lambda driver: driver.stop(0.0),
 ])

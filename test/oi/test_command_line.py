@@ -225,7 +225,6 @@ def test_a_pipe_gets_each_line_at_once() -> None:
 # The examples, against a simulated robot in memory, and what their page says.
 
 
-QUARTER = 90
 STEP = 0.005
 """Seconds that pass at once: a third of a slot."""
 
@@ -292,7 +291,7 @@ def test_the_square_ends_where_it_began(port, capsys):
     assert len(lines) == 4
     for line in lines:
         distance, angle = map(int, re.findall(r'(\d+) (?:mm|degrees)', line))
-        assert distance == pytest.approx(500, abs=10) and angle == pytest.approx(QUARTER, abs=5)
+        assert distance == pytest.approx(500, abs=10) and angle == pytest.approx(90, abs=5)
     assert (port.robot.mode, port.robot.wheels) == (oi.Mode.PASSIVE, (0, 0))
 
 

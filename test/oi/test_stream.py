@@ -118,11 +118,6 @@ def test_noise_is_not_text() -> None:
     assert banner.text == 'RDK by iRobot!\nbattery 257'
 
 
-def cuts(data: bytes, places: Iterable[int]) -> list[bytes]:
-    marks = sorted({0, len(data), *(place % (len(data) + 1) for place in places)})
-    return [data[start:end] for start, end in zip(marks, marks[1:])]
-
-
 def commands_in(chunks: Iterable[bytes]) -> tuple[list[oi.Command | oi.UnknownOpcode], bytes]:
     reader = oi.CommandReader()
     found = []
@@ -137,7 +132,9 @@ def commands_in(chunks: Iterable[bytes]) -> tuple[list[oi.Command | oi.UnknownOp
 def test_commands_in_order_come_out_in_order(
         sent: list[oi.Command], places: list[int]) -> None:
     data = b''.join(command.encode() for command in sent)
-    assert commands_in(cuts(data, places)) == (sent, b'')
+    marks = sorted({0, len(data), *(place % (len(data) + 1) for place in places)})
+    cuts = [data[start:end] for start, end in zip(marks, marks[1:])]
+    assert commands_in(cuts) == (sent, b'')
 
 
 def test_an_unknown_opcode_is_one_byte() -> None:

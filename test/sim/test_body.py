@@ -116,21 +116,17 @@ def test_the_same_seed_gives_the_same_robot():
 # Wheels that do not run steadily, as those of several real robots.
 
 
-ASKED = 0.2
-
-
-def ways(seconds: int, *, seed: int = 1, cuts: int = 10, asked: float = ASKED,
-         **unsteadiness: float) -> list[float]:
+def ways(seconds: int, *, seed: int = 1, cuts: int = 10, **unsteadiness: float) -> list[float]:
     """Return what a wheel travels in each second of steady driving, over what was asked."""
     body = Body(World(), config=replace(DEFAULT_BODY, encoder_tick=0.0, **unsteadiness), seed=seed)
-    body.drive(right=asked, left=asked)
+    body.drive(right=0.2, left=0.2)
     body.step(3.0)
     found, before = [], body.truth().travelled
     for _ in range(seconds):
         for _ in range(cuts):
             body.step(1.0 / cuts)
         now = body.truth().travelled
-        found.append((now - before) / asked)
+        found.append((now - before) / 0.2)
         before = now
     return found
 

@@ -38,6 +38,7 @@ from support.simulator import (
     STREAM,
     taught,
 )
+from support.source import ROOT
 
 Robot = tuple[Path, ControlClient]
 
@@ -157,8 +158,7 @@ def test_record_writes_the_truth_of_every_slot(tmp_path: Path) -> None:
 # The pages of the simulator.
 
 
-PAGES = Path(__file__).parents[2] / 'docs'
-GUESSES = (PAGES / 'simulator_guesses.md').read_text('utf-8')
+GUESSES = (ROOT / 'docs' / 'simulator_guesses.md').read_text('utf-8')
 
 
 @pytest.mark.parametrize('name', [field.name for field in fields(Guesses)])

@@ -59,10 +59,8 @@ def driving_robot(mode: Mode, *, forward: bool = True, radius: int = 32767) -> R
     return robot
 
 
-SENSORS = ['cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right']
-
-
-@pytest.mark.parametrize('sensor', SENSORS)
+@pytest.mark.parametrize('sensor', [
+    'cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right'])
 def test_safe_ends_on_a_cliff_while_moving_forward(sensor: str) -> None:
     robot = driving_robot(Mode.SAFE)
     robot.body.force(**{sensor: 1})

@@ -262,11 +262,6 @@ def track(robot: Robot, seconds: float) -> list[Pose]:
     return poses
 
 
-def cells(poses: list[Pose]) -> set[tuple[int, int]]:
-    """Return the squares of 25 cm that were visited."""
-    return {(math.floor(pose.x / 0.25), math.floor(pose.y / 0.25)) for pose in poses}
-
-
 @pytest.mark.parametrize(('command', 'demo'), [
     (oi.Cover(), DemoNumber.COVER), (oi.CoverAndDock(), DemoNumber.COVER_AND_DOCK),
     (oi.Spot(), DemoNumber.SPOT_COVER)])
@@ -305,8 +300,9 @@ def test_a_wheel_drop_or_a_charger_ends_a_demo(sensor: str) -> None:
 @pytest.mark.parametrize('name', ['room', 'table'])
 def test_cover_attempts_to_cover_an_entire_room_and_falls_off_no_table(name: str) -> None:
     robot = performing(DemoNumber.COVER, shipped(name))
-    visited = cells(track(robot, 200))
-    assert len(visited) > (25 if name == 'room' else 12)
+    squares = {(math.floor(pose.x / 0.25), math.floor(pose.y / 0.25))
+               for pose in track(robot, 200)}
+    assert len(squares) > (25 if name == 'room' else 12)
     assert robot.create.demo is DemoNumber.COVER
 
 
