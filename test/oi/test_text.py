@@ -142,7 +142,6 @@ def test_parsing_a_formatted_command_returns_it(command: oi.Command) -> None:
     ('Stream packets=29,virtual_wall', '148 2 29 13'),
     ('Stream packets=cliff-front-left-signal,\n  VirtualWall', '148 2 29 13'),
     ('Stream packets=', '148 0'),
-    ('Sensors packet=6', '142 6'),
     ('Song number=2 notes=C4:64, rest:16, 127:255', '140 2 3 60 64 0 16 127 255'),
     ('Song notes=30:0x20 number=15', '140 15 1 30 32'),
     ('Script script=128,7', '152 2 128 7'),
@@ -173,7 +172,6 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
      "'waitangel' is not a command; did you mean Wait Angle, Wait Distance?"),
     ('Drive 200 straight', 1, 1, "'Drive 200 straight' is not a command; "
      'did you mean Drive velocity=... radius=...?'),
-    ('garbage', 1, 1, "'garbage' is not a command; allowed: Start, Baud, "),
     ('Full}', 1, 5, "'}' is not a command; allowed: Start, "),
     ('Script script={Full} Full', 1, 22, 'Script: expected name=value or line end'),
     ('Song notes= number=1', 1, 1, 'Song: notes has 0 notes; allowed: 1 to 16 notes'),
@@ -183,13 +181,11 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
      'Drive: radius = left; allowed: -2000 to 2000 mm, -32768 STRAIGHT, 32767 STRAIGHT_7FFF; '
      'or straight, straight_7fff, in_place_clockwise, in_place_counter_clockwise'),
     ('Drive velocity=3', 1, 1, 'Drive lacks radius'),
-    ('Drive velocity=3 4 radius=3', 1, 18, 'Drive: expected name=value or line end'),
     ('Drive velocity=3,4 radius=3', 1, 16,
      'Drive: velocity needs one value; allowed: -500 to 500 mm/s'),
     ('Wait Time time=', 1, 16, 'Wait Time: time needs one value; allowed: 0 to 255 (1/10 s)'),
     ('Drive speed=3', 1, 7, 'Drive has no field speed; allowed: velocity, radius'),
     ('Drive velocity=1\tVelocity=2', 1, 18, 'Drive: velocity is given twice'),
-    ('Baud code=1234', 1, 11, 'Baud: code = 1234; allowed: 0 to 11; or 300, 600, '),
     ('Demo demo=-cover', 1, 11, 'Demo: demo = -cover; allowed: -1 to 9; or abort, cover, '),
     ('Wait Event event=not_me', 1, 18, 'Wait Event: event = not_me; allowed: '),
     ('Wait Event event=0', 1, 18,
@@ -203,7 +199,6 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
      "Song: notes: 'H4' is not a note; allowed: names such as C4, C#4 or Db4"),
     ('Song number=0 notes=C4', 1, 21, 'Song: notes = C4; allowed: note:duration'),
     ('Song number=0 notes=C4:999', 1, 24, 'Song: notes, duration = 999; allowed: 0 to 255 ('),
-    ('Song number=0 notes=300:9', 1, 21, 'Song: notes, note = 300; allowed: 0 to 255'),
     ('Song number=0 notes=F#1:9', 1, 21, 'Song: notes: F#1 makes no sound; allowed: 31 (G1) to '),
     ('Start\nScript script={\nFull\nDrive velocity=x}', 4, 16, 'Drive: velocity = x; allowed: '),
     ('Script script={Full', 1, 15, 'this { is never closed'),
@@ -286,12 +281,10 @@ def test_a_tune_keeps_its_speed(notes):
     ('X4:1', "'X4' is not a note; allowed: names such as C4"),
     ('F1:1', 'F1 makes no sound; allowed: 31 (G1) to 127 (G9)'),
     ('30:1', "note 30 makes no sound; allowed: 31 to 127, names such as C4, and 'rest'"),
-    ('128:1', 'note 128 makes no sound'),
     ('x:d=65:c', "'c' is a note of 1/65; allowed: 1 to 64"),
     ('x:t=4:c', "'t=4' is no default of a ring tone; allowed: d=4, o=6, b=63"),
     ('x:b=60:c,x=3', "'x=3' is no default"), ('x:b=60:c..', "'c..' is no note"),
     ('x:b=60:c,i', "'i' is no note of a ring tone; allowed: 8c, 4f#5, 16a. or 2p"),
-    ('x:b=60:128c', 'a note of 1/128'), ('x:b=60:c0', 'c0 makes no sound'),
     ('x:b=3:1c', "'1c' lasts 80 s"), ('x:b=900:32c', "'32c' lasts 0.00833333 s; allowed: 1/64"),
 ], ids=str)
 def test_a_wrong_tune_is_refused_and_what_is_allowed_said(text, says):
@@ -319,14 +312,11 @@ SEPARATION = FIRMWARE_SEPARATION * MM_PER_M
 
 
 @pytest.mark.parametrize(('text', 'place', 'why'), [
-    ('Drive velocity=200 radius=straight; Wait Distance distance=-1000', 2, 'drives forwards'),
-    ('Drive velocity=-200 radius=straight; Wait Distance distance=1000', 2, 'drives backwards'),
     ('Drive velocity=0 radius=straight; Wait Distance distance=1000', 2, 'the wheels stand'),
     ('Wait Angle angle=90', 1, 'the wheels stand'),
     ('Drive velocity=200 radius=in_place_clockwise; Wait Angle angle=90', 2, 'turns clockwise'),
     ('Drive velocity=200 radius=in_place_clockwise; Wait Distance distance=9', 2, 'in place'),
     ('Drive velocity=200 radius=straight; Wait Angle angle=90', 2, 'does not turn'),
-    ('Drive Direct right=100 left=-100; Wait Angle angle=-90', 2, 'turns counter-clockwise'),
     ('Drive Direct right=1 left=0; Wait Angle angle=-90', 2, 'turns counter-clockwise'),
     ('Drive Direct right=1 left=0; Wait Distance distance=-9', 2, 'drives forwards'),
     ('Drive Direct right=-1 left=0; Wait Distance distance=9', 2, 'drives backwards'),
