@@ -156,13 +156,6 @@ def test_commands_that_were_zero_count_as_a_pause(loop):
     assert loop.robot.mode is oi.Mode.SAFE
 
 
-def test_the_mode_never_comes_back_while_a_charger_is_powered(loop):
-    loop.body.plug_charger(True)
-    loop.run(CLEAR_TIME + TIMEOUT + 1)
-    loop.drive(0.2, 0.0, 3.0)
-    assert loop.robot.mode is oi.Mode.PASSIVE
-
-
 # What is sent, byte for byte, and said.
 
 
