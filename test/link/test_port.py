@@ -127,31 +127,12 @@ def test_a_port_is_ours_alone_and_the_other_is_told_by_whom(terminal):
     Port(terminal, 57600, timeout=0.01).close()
 
 
-@pytest.fixture
-def line():
-    """Return an open port and the number of the terminal's other end."""
-    other, ours = os.openpty()
-    opened = Port(os.ttyname(ours), 57600, timeout=0.01)
-    os.close(ours)
-    yield opened, other
-    opened.close()
-
-
 def received(opened: Port, count: int) -> bytes:
     """Read this many bytes: a read returns what has come, which may be a part."""
     data = b''
     while len(data) < count:
         data += opened.read()
     return data
-
-
-def test_a_read_returns_what_has_come_or_nothing(line):
-    opened, other = line
-    assert opened.read() == b''
-    os.write(other, bytes(range(256)))
-    assert received(opened, 256) == bytes(range(256))
-    assert opened.read() == b''
-    os.close(other)
 
 
 def test_a_line_that_is_no_file_is_read_as_well():
@@ -177,14 +158,17 @@ def test_a_line_over_the_network_is_read_and_lost():
             opened.read()
 
 
-def test_a_fast_line_gives_the_robot_time_for_each_byte(line, monkeypatch):
-    opened, other = line
+def test_a_fast_line_gives_the_robot_time_for_each_byte(monkeypatch):
+    other, ours = os.openpty()
+    opened = Port(os.ttyname(ours), 57600, timeout=0.01)
+    os.close(ours)
     slept = []
     monkeypatch.setattr(port, 'time', SimpleNamespace(sleep=slept.append))
     opened.baud = FAST_BAUD
     opened.write(b'\x80\x83')
     assert receive(other, 2) == b'\x80\x83' and slept == [FAST_SPACING] * 2
     os.close(other)
+    opened.close()
 
 
 def test_who_holds_a_port_is_named(terminal):
