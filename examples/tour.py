@@ -73,7 +73,9 @@ STEPS = {'a square': square, 'three circles': circles, 'two walls': walls, 'two 
 
 
 def main() -> None:
-    argparse.ArgumentParser(description=__doc__).parse_args(remove_ros_args()[1:])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.parse_args(remove_ros_args()[1:])
     with GoalClient() as robot:
         wait_for_robot(robot.node)
         robot.call('set_leds', play=True, power_color=0, power_intensity=255)
@@ -86,4 +88,7 @@ def main() -> None:
 
 
 if __name__ == '__main__':
-    main()
+    try:
+        main()
+    except GoalFailed as why:
+        raise SystemExit(str(why)) from None

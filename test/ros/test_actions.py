@@ -320,6 +320,15 @@ def test_the_example_drives_and_turns_until_ctrl_c_cancels_its_goal(ready):
     ready.ros.until(lambda: ready.robot.standing, 'the wheels stand')
 
 
+def test_a_tour_that_cannot_go_on_ends_with_a_sentence(ready):
+    ready.renew()
+    ready.robot.body.lift(True)
+    ready.until_mode(Mode.PASSIVE)
+    tour = ready.stage.example('tour.py')
+    assert tour.ended() == 1
+    assert said(tour) == ['set_leds: robot is in PASSIVE: call set_mode with SAFE first\n']
+
+
 def test_a_goal_that_fails_says_why_and_the_next_one_is_done(ready):
     program = ready.stage.python('-c', FAILS)
     assert program.ended() == 0
