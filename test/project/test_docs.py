@@ -13,8 +13,8 @@ from document import BLOCKS, POLICY, rewritten
 from results import figures_of, load
 from support.source import modules, PACKAGE, parsed, ROOT
 
-MADE = {'build', 'install', 'log'}
-"""Folders that `make` creates."""
+MADE = {'build', 'install', 'log', 'my'}
+"""Folders that `make` creates, and a reader of the tutorial."""
 FOLDERS = {path.name for path in ROOT.iterdir() if path.is_dir() and path.name[0] != '.'} - MADE
 PAGES = sorted(path for place in ('.', 'docs', 'docs/with') for ending in ('*.md', '*.rst')
                for path in (ROOT / place).glob(ending))
