@@ -105,7 +105,7 @@ class GoalControl:
         if goal.begun_at is None and self._modes.entering:
             return
         if goal.needs_driving and not self._core.status.can_drive:
-            if goal.begun_at is not None:
+            if goal.begun_at is not None and not self._modes.entering_since(goal.begun_at):
                 self.finish(self._wrong_mode(), now)
             return
         estimate = moved.estimate

@@ -155,6 +155,14 @@ class Modes:
         """Whether the robot is about to enter the wanted mode, as far as is known."""
         return self._tries > 0 and not self._core.status.causes
 
+    def entering_since(self, begun_at: float) -> bool:
+        """
+        Tell whether a goal that began then still waits for the mode from before it.
+
+        It may have begun at a frame that was on its way when the robot was told to enter Passive.
+        """
+        return self.entering and self._begun_at <= begun_at
+
     def retry(self, now: float) -> None:
         """Enter the wanted mode again where the robot seems to have missed the command."""
         core, status = self._core, self._core.status

@@ -26,6 +26,7 @@ from support.goals import (
     moving,
     place,
     pursue,
+    reach,
     start,
     until_ended,
 )
@@ -185,6 +186,24 @@ def test_a_goal_waits_for_its_mode_and_then_has_all_its_time():
     assert running.outcome is None
     loop.run(0.5)
     assert running.code is Code.TIMEOUT
+
+
+@pytest.mark.parametrize('delay', [0.01, 0.03, 0.1])
+def test_a_goal_at_once_after_modes_were_set_waits_for_the_last_of_them(delay):
+    loop = met(delay=delay)
+    for mode in oi.Mode.PASSIVE, oi.Mode.SAFE:
+        loop.driver.modes.set(mode, loop.now)
+    assert reach(loop, distance(0.2))[0] == pytest.approx(0.2, abs=0.01)
+
+
+@pytest.mark.parametrize('wait', [0.0, 0.02, 0.06])
+def test_a_goal_at_once_after_a_gap_waits_until_the_mode_is_entered_again(wait):
+    loop = met(delay=0.1)
+    loop.lose_line(3.0)
+    while not loop.driver.state.answered:
+        loop.turn()
+    loop.run(wait)
+    assert reach(loop, distance(0.2))[0] == pytest.approx(0.2, abs=0.01)
 
 
 def test_a_goal_whose_mode_does_not_come_is_given_up():
