@@ -23,7 +23,7 @@ from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .core import Core
 from .listening import ASK_INTERVAL
-from .outbox import Pending, refused
+from .outbox import END_DEMO, Pending, refused
 from .state import Activity, StateEvent
 from .stream import DRIVE_REQUEST, requested_speeds, StreamPlan
 
@@ -76,12 +76,12 @@ class ScriptControl:
         why = self._cannot_play(force=force)
         if why is not None:
             return refused(why)
-        core, stored = self._core, self._stored
+        core, status, stored = self._core, self._core.status, self._stored
         commands = commands_of(stored) if stored else []
         self._follow(commands)
         self._ends_at, ended = None, now
         takes = None if stored is None or not can_end(stored) else duration(
-            stored, core.status.actual or oi.Mode.OFF, SEPARATION)
+            stored, status.actual or oi.Mode.OFF, SEPARATION)
         if takes is not None:
             self._ends_at = now + takes
             ended = now + takes + LATE + LATE_FRACTION * takes
@@ -90,6 +90,8 @@ class ScriptControl:
             each for each in self._plan.questions if each.ids not in streamed],
             after_script=max(ended, now + 2 * ASK_INTERVAL))
         core.handle(StateEvent.SCRIPT_STARTED)
+        if status.wanted is oi.Mode.PASSIVE or status.causes and not status.can_drive:
+            core.outbox.send(END_DEMO)  # it runs, or was begun by a button
         core.outbox.send(CLEARED)
         core.outbox.send(oi.Stream(packets=self._plan.script.ids))
         return core.outbox.send(oi.PlayScript(), 'script sent to play')

@@ -15,7 +15,7 @@ from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
 from create_oi_ros.sim.firmware.guesses import Guesses
-from support.asking import ask, power_cycle
+from support.asking import ask, in_mode, power_cycle
 from support.loop import AT_ONCE, Loop, texts
 
 LEDS = oi.Leds(bits=oi.LedBits.PLAY | oi.LedBits.ADVANCE, color=10, intensity=200)
@@ -51,6 +51,42 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
     loop.drive(0.2, 0.0, 1.5)
     assert loop.body.truth().speed > 0.1
     assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.01)
+
+
+def begun_by_a_request(loop: Loop) -> None:
+    loop.driver.modes.start_demo(oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+
+
+def begun_by_a_button(loop: Loop) -> None:
+    in_mode(loop, oi.Mode.PASSIVE)
+    loop.robot.receive(oi.Demo(demo=oi.DemoNumber.DRIVE_FIGURE_EIGHT).encode(), loop.now)
+
+
+def begun_by_a_button_after_a_hazard(loop: Loop) -> None:
+    loop.body.force(seconds=0.5, drop_left=1)
+    loop.run(1.0)
+    loop.robot.receive(oi.Demo(demo=oi.DemoNumber.DRIVE_FIGURE_EIGHT).encode(), loop.now)
+
+
+@pytest.mark.parametrize('begin', [
+    begun_by_a_request, begun_by_a_button, begun_by_a_button_after_a_hazard])
+def test_a_script_ends_a_demo_that_runs(loop, begin):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    begin(loop)
+    loop.run(1.0)
+    assert loop.robot.demo is oi.DemoNumber.DRIVE_FIGURE_EIGHT
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
+    loop.run(3.0)
+    assert 'the script has ended; wheels stopped' in texts(loop.notices, Severity.INFO)
+    assert loop.robot.demo is None and loop.robot.actuators.wheels == (0, 0)
+
+
+def test_a_script_at_once_after_its_mode_was_set_plays_in_it(loop):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    in_mode(loop, oi.Mode.PASSIVE)
+    loop.driver.modes.set(oi.Mode.SAFE, loop.now)
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
+    assert (loop.robot.mode, loop.robot.waiting) == (oi.Mode.SAFE, True)
 
 
 def test_after_a_script_that_leaves_safe_commands_must_pause(loop):
