@@ -73,11 +73,11 @@ class ScriptControl:
 
     def play(self, now: float, *, force: bool) -> Pending:
         """Play the stored script; one that cannot end, or is not known, only with `force`."""
-        why = self._cannot_play(force=force)
+        commands = commands_of(self._stored) if self._stored else []
+        why = self._cannot_play(commands, force=force)
         if why is not None:
             return refused(why)
         core, status, stored = self._core, self._core.status, self._stored
-        commands = commands_of(stored) if stored else []
         self._follow(commands)
         self._ends_at, ended = None, now
         takes = None if stored is None or not can_end(stored) else duration(
@@ -85,9 +85,8 @@ class ScriptControl:
         if takes is not None:
             self._ends_at = now + takes
             ended = now + takes + LATE + LATE_FRACTION * takes
-        streamed = [each.packets for each in commands if isinstance(each, oi.Stream)]
-        core.listening.begin(now + ASK_INTERVAL, [
-            each for each in self._plan.questions if each.ids not in streamed],
+        core.listening.begin(
+            now + ASK_INTERVAL, self._questions(commands),
             after_script=max(ended, now + 2 * ASK_INTERVAL))
         core.handle(StateEvent.SCRIPT_STARTED)
         if status.wanted is oi.Mode.PASSIVE or status.causes and not status.can_drive:
@@ -106,7 +105,12 @@ class ScriptControl:
         self.resets_accumulators = self._followed and not used.isdisjoint(
             (oi.WaitDistance, oi.WaitAngle))
 
-    def _cannot_play(self, *, force: bool) -> str | None:
+    def _questions(self, commands: Iterable[oi.Command]) -> list[oi.PacketList]:
+        """Return the lists that show the end of a script, for it does not ask for them itself."""
+        streamed = [each.packets for each in commands if isinstance(each, oi.Stream)]
+        return [each for each in self._plan.questions if each.ids not in streamed]
+
+    def _cannot_play(self, commands: Iterable[oi.Command], *, force: bool) -> str | None:
         """Say why the stored script is not played, and what to do; None where it may be."""
         if self._core.state.pursues:
             return 'a goal runs: cancel it first'
@@ -114,6 +118,9 @@ class ScriptControl:
             return 'the robot drives, and could not be told to stop meanwhile: stop it first'
         if self._stored == oi.Script(script=b''):
             return 'no script is stored: call define_script'
+        if not self._questions(commands):
+            return ('the stored script streams each list of packets by which the driver could see '
+                    'its end: change the packets, or their order, in one of them')
         why = self._core.refusal(oi.PlayScript)
         if why is not None or force:
             return why

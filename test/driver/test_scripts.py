@@ -221,6 +221,19 @@ def test_a_script_that_streams_the_list_of_a_question_is_not_taken_for_silence(l
     assert loop.driver.counts.silences == 0
 
 
+@pytest.mark.parametrize('force', [False, True])
+def test_a_script_whose_end_no_list_could_show_is_refused(loop, force):
+    lists = loop.driver.plan.questions
+    streams = [oi.Stream(packets=each.ids) for each in lists]
+    ask(loop, loop.driver.scripts.define, build_script(streams))
+    refused = ask(loop, loop.driver.scripts.play, loop.now, force=force)
+    assert not refused.ok and 'in one of them' in refused.text
+    ask(loop, loop.driver.scripts.define, build_script(streams[1:]))
+    for _ in lists:
+        assert ask(loop, loop.driver.scripts.play, loop.now, force=force, seconds=2.0).ok
+        assert not loop.driver.scripts.playing
+
+
 @pytest.mark.parametrize('queue', [0, 256])
 @pytest.mark.parametrize('delay', [0.0, 0.008, 0.016, 0.04])
 def test_a_script_that_is_played_again_as_soon_as_it_has_ended_is_followed_to_its_end(
