@@ -197,6 +197,7 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
     ('Stream packets=unused', 1, 16, 'Stream: packets[0] = unused; allowed: 0 to 42 or a name'),
     ('Song number=0 notes=C4:1,H4:1', 1, 26,
      "Song: notes: 'H4' is not a note; allowed: names such as C4, C#4 or Db4"),
+    (f'Song number=0 notes={"9" * 5000}:1', 1, 21, f"Song: notes: '{'9' * 5000}' is not a note; "),
     ('Song number=0 notes=C4', 1, 21, 'Song: notes = C4; allowed: note:duration'),
     ('Song number=0 notes=C4:999', 1, 24, 'Song: notes, duration = 999; allowed: 0 to 255 ('),
     ('Song number=0 notes=F#1:9', 1, 21, 'Song: notes: F#1 makes no sound; allowed: 31 (G1) to '),
@@ -285,6 +286,9 @@ def test_a_tune_keeps_its_speed(notes):
     ('x:t=4:c', "'t=4' is no default of a ring tone; allowed: d=4, o=6, b=63"),
     ('x:b=60:c,x=3', "'x=3' is no default"), ('x:b=60:c..', "'c..' is no note"),
     ('x:b=60:c,i', "'i' is no note of a ring tone; allowed: 8c, 4f#5, 16a. or 2p"),
+    (f'{"9" * 5000}:1', 'is not a note; allowed: names such as C4'),
+    (f'x:b={"9" * 5000}:c', 'is no default of a ring tone; allowed: d=4, o=6, b=63'),
+    (f'x:b=60:{"9" * 5000}c', 'is no note of a ring tone; allowed: 8c'),
     ('x:b=3:1c', "'1c' lasts 80 s"), ('x:b=900:32c', "'32c' lasts 0.00833333 s; allowed: 1/64"),
 ], ids=str)
 def test_a_wrong_tune_is_refused_and_what_is_allowed_said(text, says):

@@ -37,7 +37,7 @@ from ..packets import PACKET_ID
 from ..readings import NUMBERS, PACKETS
 from ..script import build_script, commands_of, SCRIPT_LIMIT
 from ..wire import Wire
-from .tunes import note_number, note_text
+from .tunes import NOTE_NUMBER, note_number, note_text
 
 # Commands to text.
 
@@ -265,7 +265,7 @@ class Text:
             if plain(pitch) == 'rest':
                 number = REST
             else:
-                number = int(pitch) if pitch.isdecimal() else note_number(pitch)
+                number = int(pitch) if NOTE_NUMBER.fullmatch(pitch) else note_number(pitch)
         except ValueError as refused:
             self._refuse(item.place, f'{name}: {refused}')
         if not colon:

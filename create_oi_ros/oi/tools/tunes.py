@@ -24,6 +24,8 @@ from ..commands import Note, NOTE_TIME, NOTES_PER_SECOND, REST, SOUNDING
 PITCHES = ('C', 'C#', 'D', 'D#', 'E', 'F', 'F#', 'G', 'G#', 'A', 'A#', 'B')
 """The manual's names of the notes in an octave."""
 MIDDLE_C = 60
+NOTE_NUMBER = re.compile(r'\d{1,9}')
+"""Longer ones mean nothing, and Python refuses to read them."""
 NOTE_NAME = re.compile(r'([A-G])(#|b?)(\d)', re.IGNORECASE)
 SHORTEST, LONGEST = Fraction(1, NOTES_PER_SECOND), 60
 """Seconds that a note of a tune can last."""
@@ -36,8 +38,8 @@ DEFAULTS = {'d': 4, 'o': 6, 'b': 63}
 """What a ring tone leaves out: note value, octave, quarter notes a minute."""
 WITHOUT_MEANING = 'sl'
 """Defaults that are not for a robot: style and loop."""
-DEFAULT = re.compile(r'([a-z])=?(\w+)', re.ASCII | re.IGNORECASE)
-RING_NOTE = re.compile(r'(\d*)\.?(p|[a-h][#b_]?)\.?(\d?)\.?', re.ASCII | re.IGNORECASE)
+DEFAULT = re.compile(r'([a-z])=?(\w{1,9})', re.ASCII | re.IGNORECASE)
+RING_NOTE = re.compile(r'(\d{0,9})\.?(p|[a-h][#b_]?)\.?(\d?)\.?', re.ASCII | re.IGNORECASE)
 
 
 def note_name(number: int) -> str:
@@ -114,7 +116,7 @@ def _listed(text: str) -> Iterator[tuple[str, int, Fraction]]:
 def _number(name: str) -> int:
     if name.lower() == 'rest':
         return REST
-    if not name.isdecimal():
+    if not NOTE_NUMBER.fullmatch(name):
         return note_number(name)
     if int(name) not in SOUNDING:
         raise ValueError(f"note {name} makes no sound; allowed: {SOUNDING[0]} to {SOUNDING[-1]}, "
