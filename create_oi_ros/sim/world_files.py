@@ -12,7 +12,7 @@ def read_world(text: str) -> World:
     if text in shipped_names():
         return shipped(text)
     try:
-        return parse(Path(text).read_text('utf-8'), text)
+        return parse(Path(text).read_text('utf-8-sig'), text)
     except (FileNotFoundError, IsADirectoryError):
         raise WorldError(
             f'{text!r}; allowed: a file, or one of {", ".join(shipped_names())}') from None

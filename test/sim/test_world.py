@@ -19,6 +19,7 @@ from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, 
 from create_oi_ros.sim.world.floor_plan import FREE, Map, map_of, OCCUPIED, RESOLUTION, UNKNOWN
 from create_oi_ros.sim.world.geometry import reach
 from create_oi_ros.sim.world.lidar import BEARINGS, Lidar, NOISE
+from create_oi_ros.sim.world_files import read_world
 from lap import lap
 from support.nightly import NIGHTLY
 from support.simulator import simulator
@@ -70,6 +71,12 @@ def test_a_wrong_line_is_refused_with_name_line_and_what_is_allowed(line, messag
         parse(f'# first\n{line}\n', 'den')
     assert str(caught.value).startswith('den, line 2: ')
     assert message in str(caught.value)
+
+
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path: Path):
+    file = tmp_path / 'den.world'
+    file.write_text('start 1 2 0\n', 'utf-8-sig')
+    assert read_world(str(file)).start == Pose(1.0, 2.0, 0.0)
 
 
 # Walls.
