@@ -210,7 +210,8 @@ class ModelKeeper:
         if self._path is None or robot is None:
             return
         if not robot.certain or robot.readings < TAUGHT:
-            self._log.info(f'too little was learned of the robot: {self._path} stays as it is')
+            does = 'stays as it is' if self._path.exists() else 'is not written'
+            self._log.info(f'too little was learned of the robot: {self._path} {does}')
             return
         outcome = self.save(session)
         if outcome.ok:
