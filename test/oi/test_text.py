@@ -85,6 +85,9 @@ def test_a_script_longer_than_the_robot_can_store_is_refused() -> None:
         'Script: command 51 (Safe) brings it to 101 bytes; allowed: 100 bytes')
     with pytest.raises(TextError, match='brings it to 102 bytes; allowed: 100 bytes'):
         parse_script('Wait Time time=1\n' * 51)
+    with pytest.raises(TextError, match='has 10001 characters; allowed: 10000'):
+        parse_script('#' * 10001)
+    assert parse_script('#' * 10000) == oi.Script(script=b'')
     with pytest.raises(ValueError, match='Drive: velocity = 900'):
         build_script([oi.Drive(velocity=900, radius=0)])
 

@@ -106,6 +106,9 @@ def parse_commands(text: str) -> list[Command]:
 
 def parse_script(text: str) -> Script:
     """Return the command that stores the commands in a text as a script; TextError as above."""
+    if len(text) > LONGEST_TEXT:
+        raise TextError(text, LONGEST_TEXT, (
+            f'the text of a script has {len(text)} characters; allowed: {LONGEST_TEXT}'))
     commands = parse_commands(text)
     try:
         return build_script(commands)
@@ -124,6 +127,8 @@ END = re.compile(r'[ \t\r]*(?=[\n;}#]|\Z)')
 NUMBER = re.compile(r'[+-]?(?:0x[0-9a-f]{1,8}|[0-9]{1,9})', re.IGNORECASE)
 NOT = re.compile(r'not[-_ ]?|[-!]', re.IGNORECASE)
 
+LONGEST_TEXT = 100 * SCRIPT_LIMIT
+"""Characters of a script, comments included: the driver waits while they are read."""
 DEPTH = SCRIPT_LIMIT // len(Script(script=b'').encode())
 """Largest depth of nested scripts: each takes two bytes of the script around it."""
 
