@@ -41,7 +41,7 @@ from ..oi.tools.tunes import note_text, parse_tune
 from .messages import of_yaw, seconds, Values, yaw_of
 from .parameters import Parameters
 from .publishing import StampClock
-from .services import answer, future_of, QUEUE
+from .services import answer, future_of, QUEUE, shortened
 from .topics import GOAL_POSE
 
 FEEDBACK_EVERY = 7
@@ -182,7 +182,7 @@ def malformed(name: str, request: Any) -> str:
     try:
         action.make(request)
     except ValueError as error:
-        return str(error)
+        return shortened(str(error))
     return ''
 
 
@@ -238,7 +238,7 @@ class Actions:
         try:
             self._make(action, request)
         except ValueError as error:
-            self._node.get_logger().warning(f'{action.name} rejected: {error}')
+            self._node.get_logger().warning(f'{action.name} rejected: {shortened(str(error))}')
             return GoalResponse.REJECT
         return GoalResponse.ACCEPT
 
@@ -284,7 +284,7 @@ class Actions:
             goal = self._make(action, NavigateToPosition.Goal(
                 goal_pose=pose, achieve_goal_heading=True))
         except ValueError as error:
-            log.warning(f'{GOAL_POSE} rejected: {error}')
+            log.warning(f'{GOAL_POSE} rejected: {shortened(str(error))}')
             return
         with self._session.request() as (driver, now):
             driver.goals.start(goal, now)

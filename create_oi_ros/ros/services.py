@@ -31,6 +31,9 @@ from .odometry_model import ModelKeeper
 QUEUE = QoSProfile(depth=200)
 """Requests that may arrive at once; more than the depth are never answered (ROS default: 10)."""
 
+LONGEST = 1000
+"""Characters of a text for people; its end says what is allowed."""
+
 
 def define_song(driver: Driver, request: srv.DefineSong.Request, now: float) -> Pending:
     song = request.number, list(request.pitches), list(request.seconds)
@@ -57,9 +60,14 @@ def define_script(driver: Driver, request: srv.DefineScript.Request, _now: float
     return driver.scripts.define(script)
 
 
+def shortened(text: str) -> str:
+    """Return a text for people without the middle of a megabyte that it may repeat."""
+    return text if len(text) <= LONGEST else f'{text[:LONGEST // 2]} ... {text[-LONGEST // 2:]}'
+
+
 def answer(outcome: Outcome) -> Values:
     """Return how a request ended, as fields of a response."""
-    return {'success': outcome.ok, 'message': outcome.text}
+    return {'success': outcome.ok, 'message': shortened(outcome.text)}
 
 
 @dataclass(frozen=True, kw_only=True)

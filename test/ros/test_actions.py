@@ -18,7 +18,7 @@ from create_oi_msgs.action import (
     Undock,
 )
 from create_oi_msgs.msg import Mode
-from create_oi_msgs.srv import DefineSong
+from create_oi_msgs.srv import DefineSong, SetDigitalOutput
 from geometry_msgs.msg import Point, Pose, PoseStamped
 import pytest
 from std_msgs.msg import Header
@@ -127,6 +127,18 @@ def test_a_malformed_goal_is_rejected_and_the_log_says_why(shared, type_, name, 
     assert shared.robot.standing
     if type_ is not NavigateToPosition:  # its frame is the driver's
         assert says in malformed(name, type_.Goal(**fields))
+
+
+def test_a_megabyte_that_somebody_sent_is_not_repeated(shared):
+    whole, said = 'x' * 10 ** 6, len(shared.node.output)
+    place = PoseStamped(header=Header(frame_id=whole))
+    assert shared.ros.send(NavigateToPosition, 'navigate_to_position', goal_pose=place) is None
+    assert shared.ros.send(*TUNE, notes=f'C4:1 {whole}') is None
+    shared.ros.until(lambda: 'such as C4:1/4, C4:0.25' in shared.node.output[said:])
+    assert len(shared.node.output) < said + 3000
+    message = shared.refused(SetDigitalOutput, 'set_digital_output', output=whole)
+    assert message.endswith('; output_names: output_0, output_1, output_2')
+    assert len(message) < 1100
 
 
 def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(ready):
