@@ -188,6 +188,8 @@ class Moved(NamedTuple):
     """The robot's seconds since the last one."""
     brought: oi.Readings = oi.Readings()
     """What this frame brought; None is what cannot be true."""
+    lost: bool = False
+    """Whether a distance and an angle before it, or in it, may have been lost."""
 
 
 DriverEvent = Notice | Moved | ModeStatus

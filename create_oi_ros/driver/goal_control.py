@@ -113,7 +113,7 @@ class GoalControl:
             self._odometry.start_trip()
             estimate = self._odometry.estimate
         order = goal.step(self._view(
-            now, moved.dt, estimate, measured=moved.brought.has('distance')))
+            now, moved.dt, estimate, measured=moved.brought.has('distance'), lost=moved.lost))
         if goal.begun_at is None and not isinstance(order, Over):
             goal.begun_at = now
         self._obey(order, now)
@@ -128,8 +128,9 @@ class GoalControl:
         elif now - goal.begun_at > goal.allowance:
             self.finish(goal.timed_out(), now)
 
-    def _view(self, now: float, dt: float, estimate: Estimate, *, measured: bool) -> View:
-        return View(now, dt, estimate, self._core.readings, measured, self._core.limits,
+    def _view(self, now: float, dt: float, estimate: Estimate, *, measured: bool = False,
+              lost: bool = False) -> View:
+        return View(now, dt, estimate, self._core.readings, measured, lost, self._core.limits,
                     self._straight, self._turning)
 
     # How a goal begins.
@@ -151,7 +152,7 @@ class GoalControl:
             why = state.refusal
         if why:
             return Over(Code.MODE, why)
-        goal.view = self._view(now, 0.0, self._odometry.estimate, measured=False)
+        goal.view = self._view(now, 0.0, self._odometry.estimate)
         return goal.hazard()
 
     def _wrong_mode(self) -> Over:

@@ -171,8 +171,9 @@ class Tracking:
         dt, self._unseen = self._unseen, 0.0
         core.counts.frames += 1
         core.readings = core.readings.updated(readings)
-        estimate = self.odometry.update(self._increment(readings, stamp, dt))
-        return Moved(stamp, core.readings, estimate, dt, readings)
+        increment = self._increment(readings, stamp, dt)
+        estimate = self.odometry.update(increment)
+        return Moved(stamp, core.readings, estimate, dt, readings, increment.lost)
 
     def _increment(self, readings: oi.Readings, stamp: float, dt: float) -> Increment:
         """Return what a frame tells the odometry."""

@@ -230,6 +230,28 @@ def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it(loop, speed
     assert loop.robot.actuators.wheels == (0, 0)
 
 
+@pytest.mark.parametrize(('make', 'from_', 'until'), [
+    (lambda: distance(1.0), 0.3, 2.2), (lambda: distance(0.4), 1.0, 2.1),
+    (lambda: angle(360.0, 1.2), 0.7, 2.6)])
+def test_readings_that_are_damaged_are_not_taken_for_wheels_that_are_held(make, from_, until):
+    loop = met()
+    carry, begun = loop._carry, loop.now
+
+    def damaged(line, data):
+        reader = oi.StreamReader(loop.driver.plan.lists)
+        if line is loop._down and begun + from_ <= loop.now < begun + until:
+            reader.feed(data)
+            data = b''.join(
+                event.data[:-1] + bytes([event.data[-1] ^ 1]) if isinstance(event, oi.Frame)
+                and 'distance' in event.packets.names else event.data
+                for event in reader.finish())
+        carry(line, data)
+    loop._carry = damaged
+    ending = pursue(loop, make())
+    assert loop.driver.counts.checksum_failures > 1
+    assert ending.code is Code.NONE, ending.text
+
+
 @pytest.mark.parametrize('most', [0.0, 0.0004])
 def test_a_robot_that_may_not_turn_its_wheels_says_so(most):
     for goal in (distance(0.1), angle(10)):

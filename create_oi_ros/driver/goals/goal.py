@@ -111,6 +111,8 @@ class View(NamedTuple):
     """The newest of every packet."""
     measured: bool
     """Whether distance and angle came with this frame."""
+    lost: bool
+    """Whether some from before it may have been lost."""
     limits: MotionLimits
     straight: StoppingModel
     """How the robot coasts when it drives straight."""

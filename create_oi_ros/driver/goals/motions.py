@@ -73,7 +73,8 @@ class Stall:
     Notices wheels that do not turn as the robot says that it was asked to turn them.
 
     How far they went is what the robot has counted, and what it may have dropped of that at each
-    reading: a wheel that is slow, for whatever reason, is not taken for one that is held.
+    reading: a wheel that is slow, for whatever reason, is not taken for one that is held. Nor is
+    one of which a reading was lost: all is counted anew from there.
     """
 
     def __init__(self) -> None:
@@ -90,6 +91,8 @@ class Stall:
         self._overloaded = self._overloaded + dt if overloaded else 0.0
         if self._overloaded > OVERLOAD_TIME:
             return Over(Code.STALL, 'a wheel draws too much current: is it held or blocked?')
+        if view.lost:
+            self._restart()
         self._asked += max(abs(speed or 0) for speed in requested_speeds(readings)) * MILLI * dt
         self._seconds += dt
         if not view.measured:
