@@ -149,7 +149,7 @@ class Battery:
             self._was_reset, self._told = False, ''
         if (not docked(readings) or charging(readings) is not Charging.FAILS
                 or self._core.state.activity is Activity.GOAL
-                or self._core.listening.open):
+                or not self._core.listening.may_send):
             self._waits = None
         elif self._waits is None or self._waits[1] is not mode:
             self._waits = now, mode

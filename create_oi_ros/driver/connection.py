@@ -191,7 +191,7 @@ class Connection:
     def ask(self, now: float, *, motion_due: bool) -> None:
         """Ask for another list of packets, when it is time for one."""
         core = self._core
-        if core.listening.open or core.outbox.busy:
+        if not core.listening.may_send or core.outbox.busy:
             return
         # A robot that has not shown the last list may wait; one that was called gets one list.
         motion_due = motion_due and core.listening.unseen_since is None or not core.state.answered

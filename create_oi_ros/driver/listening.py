@@ -17,8 +17,8 @@ speeds that it was sent. While a question is open,
 - it is asked again: by each call, or ever more seldom;
 - one stop that somebody asks for is sent to a robot whose frames come, and any number to one that
   is called (`may_stop`);
-- the driver sends nothing of its own: no lists, modes, songs, LEDs or restart, and no speeds but
-  one zero. None of what it sends can do harm where a part of it is lost;
+- the driver sends nothing of its own (`may_send`): no lists, modes, songs, LEDs or restart, and
+  no speeds but one zero. None of what it sends can do harm where a part of it is lost;
 - requests are refused where it is certain that the robot does not listen (`Core.refusal`).
 """
 
@@ -64,7 +64,7 @@ class Listening:
         self._list = self._newest = oi.PacketList([])
         """What the question asks for, and what the newest frame brought."""
         self.open = False
-        """Whether a question waits for its answer; then the driver sends nothing of its own."""
+        """Whether a question waits for its answer."""
         self._since = self._due = inf
         """From when on it is asked ever more seldom, and when it is asked next."""
         self._stops = False
@@ -133,6 +133,11 @@ class Listening:
         self.open = False
 
     # Who may send what.
+
+    @property
+    def may_send(self) -> bool:
+        """Whether the driver may send anything of its own."""
+        return not self.open
 
     @property
     def may_stop(self) -> bool:

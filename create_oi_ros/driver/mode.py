@@ -166,7 +166,7 @@ class Modes:
     def retry(self, now: float) -> None:
         """Enter the wanted mode again where the robot seems to have missed the command."""
         core, status = self._core, self._core.status
-        if (core.listening.open or status.actual in (None, status.wanted)
+        if (not core.listening.may_send or status.actual in (None, status.wanted)
                 or now - self._tried_at <= RETRY_INTERVAL):
             return
         # Full instead of Safe, or Safe instead of Full: no safety stop, but a damaged command.
@@ -242,7 +242,7 @@ class Modes:
         self._core.notice(
             Severity.WARNING, f'robot left {status.wanted.name} for {status.name}: '
             f'{status.reason}')
-        if not self._core.listening.open and (status.causes == (Cause.UNKNOWN,) or (
+        if self._core.listening.may_send and (status.causes == (Cause.UNKNOWN,) or (
                 status.unknown and status.wanted is oi.Mode.PASSIVE)):
             self._core.outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
 

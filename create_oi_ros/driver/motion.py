@@ -204,7 +204,7 @@ class Motion:
 
     def send_again(self) -> None:
         """Send the next speeds even where the robot was sent the same before."""
-        if not self._core.listening.open:
+        if self._core.listening.may_send:
             self._sent = None
 
     def warn_again(self) -> None:
@@ -256,7 +256,7 @@ class Motion:
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
         bumps = self._core.readings.number('bumps_and_wheel_drops', 0) & BUMPS
         blocked = bool(bumps) and limits.bump_stop
-        if self._core.listening.open:  # but one zero
+        if not self._core.listening.may_send:  # but one zero
             if self._sent == (0, 0) or not blocked and self._wanted != STOPPED:
                 return None
             self._sent, self._sent_at = (0, 0), now
