@@ -65,6 +65,8 @@ class Listening:
         """What the question asks for, and what the newest frame brought."""
         self.open = False
         """Whether a question waits for its answer."""
+        self._asked = False
+        """Whether it was asked: until then a frame of its list is late."""
         self._since = self._due = inf
         """From when on it is asked ever more seldom, and when it is asked next."""
         self._stops = False
@@ -94,13 +96,13 @@ class Listening:
         """
         self._list = next((each for each in lists if each not in (self._list, self._newest)),
                           self._list)
-        self.open, self.stop_sent = True, False
+        self.open, self._asked, self.stop_sent = True, False, False
         self._due, self._stops = due, after_script is not None
         self._since = due if after_script is None else after_script
 
     def ask(self) -> None:
         """Ask the question; it is open again where its answer led to nothing."""
-        self.open = True
+        self.open = self._asked = True
         self._outbox.send(oi.Stream(packets=self._list.ids))
 
     def answered(self, packets: oi.PacketList) -> bool:
@@ -109,7 +111,7 @@ class Listening:
 
         Where a list changes that is no question, the robot took a command, too.
         """
-        answers = self.open and packets == self._list
+        answers = self.open and self._asked and packets == self._list
         if answers:
             self.open = False
             self.trust()

@@ -210,6 +210,21 @@ def test_a_robot_that_falls_silent_while_it_waits_is_found_again(loop):
     assert loop.body.truth().speed == 0
 
 
+@pytest.mark.parametrize('delay', [0.005, 0.02, 0.05])
+def test_a_late_frame_of_a_script_before_does_not_end_the_next_one(loop, delay):
+    loop.delay = delay
+    script = build_script([
+        *(oi.Stream(packets=each.ids) for each in loop.driver.plan.questions[:-1]),
+        oi.WaitTime(time=20)])
+    for _ in range(2):
+        loop.driver.scripts.define(script)
+        loop.driver.scripts.play(loop.now, force=False)
+        begun = loop.now
+        while loop.driver.scripts.playing:
+            loop.turn()
+        assert 2.0 <= loop.now - begun < 2.5
+
+
 @pytest.mark.parametrize('packets', [*QUESTIONS, *Loop().driver.plan.questions], ids=str)
 def test_a_script_that_streams_the_list_of_a_question_is_not_taken_for_silence(loop, packets):
     asks = oi.Stream(packets=packets.ids)
