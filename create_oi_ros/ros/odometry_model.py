@@ -210,8 +210,7 @@ class ModelKeeper:
         if self._path is None or robot is None:
             return
         if not robot.certain or robot.readings < TAUGHT:
-            does = 'stays as it is' if self._path.exists() else 'is not written'
-            self._log.info(f'too little was learned of the robot: {self._path} {does}')
+            self._log.info(f'too little was learned of the robot: {self._path} is not written')
             return
         outcome = self.save(session)
         if outcome.ok:
