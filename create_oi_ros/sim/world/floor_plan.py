@@ -19,8 +19,8 @@ RESOLUTION = 0.02
 MARGIN = 0.5
 """Metres around everything; a world with nothing in it is EMPTY metres wide either way."""
 EMPTY = 3.0
-MOST_CELLS = 10 ** 8
-"""Cells of the largest map, a byte each."""
+LARGEST = 200.0
+"""Side of the largest map's square, metres: 100 MB."""
 OCCUPIED, UNKNOWN, FREE = 0, 205, 254
 """Grey values, as Nav2 reads them with the thresholds below."""
 
@@ -52,10 +52,10 @@ def map_of(world: World) -> Map:
     low_x, low_y, high_x, high_y = _bounds(world)
     left, bottom = floor(low_x / RESOLUTION), floor(low_y / RESOLUTION)
     width, height = ceil(high_x / RESOLUTION) - left, ceil(high_y / RESOLUTION) - bottom
-    if width * height > MOST_CELLS:
+    if width * height > (LARGEST / RESOLUTION) ** 2:
         raise WorldError(
-            f'{world.name}: {width * RESOLUTION:.0f} m by {height * RESOLUTION:.0f} m is '
-            f'too large for a map; allowed: {MOST_CELLS} cells of {RESOLUTION} m (200 m by 200 m)')
+            f'{world.name}: {width * RESOLUTION:.0f} m by {height * RESOLUTION:.0f} m is too '
+            f'large for a map; allowed: the area of {LARGEST:.0f} m by {LARGEST:.0f} m')
     cells = bytearray([UNKNOWN]) * (width * height)  # rows from the lowest y up
 
     def middles(points: list[Point]) -> Iterator[tuple[int, float, float]]:
